@@ -1,0 +1,73 @@
+#include "ooc/atomic_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "ooc/check.h"
+
+namespace cuesta {
+namespace {
+
+std::filesystem::path part_of(const std::filesystem::path& path) {
+  std::filesystem::path part = path;
+  part += ".part";
+  return part;
+}
+
+tl::unexpected<Error> os_error(const std::filesystem::path& path, const char* what) {
+  return fail(errno == ENOENT ? ErrorCode::not_found : ErrorCode::io, path.string(), "",
+              std::string(what) + ": " + std::strerror(errno));
+}
+
+}  // namespace
+
+Result<AtomicFile> AtomicFile::create(const std::filesystem::path& path) {
+  AtomicFile file;
+  file.path_ = path;
+  file.descriptor_ = ::open(part_of(path).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (file.descriptor_ < 0) return os_error(path, "cannot create the file");
+  return file;
+}
+
+AtomicFile::AtomicFile(AtomicFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      written_(other.written_) {}
+
+AtomicFile& AtomicFile::operator=(AtomicFile&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(written_, other.written_);
+  return *this;
+}
+
+AtomicFile::~AtomicFile() {
+  if (descriptor_ < 0) return;
+  ::close(descriptor_);
+  ::unlink(part_of(path_).c_str());
+}
+
+Result<void> AtomicFile::write(std::span<const std::byte> bytes) {
+  CUESTA_CHECK(descriptor_ >= 0);
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(descriptor_, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return os_error(path_, "cannot write");
+    written_ += static_cast<std::uint64_t>(n);
+    bytes = bytes.subspan(static_cast<std::size_t>(n));
+  }
+  return {};
+}
+
+Result<void> AtomicFile::commit() {
+  CUESTA_CHECK(descriptor_ >= 0);
+  if (::fsync(descriptor_) != 0) return os_error(path_, "cannot sync");
+  if (::close(std::exchange(descriptor_, -1)) != 0) return os_error(path_, "cannot close");
+  if (::rename(part_of(path_).c_str(), path_.c_str()) != 0) return os_error(path_, "cannot rename into place");
+  return {};
+}
+
+}  // namespace cuesta

@@ -1,0 +1,60 @@
+#pragma once
+/// Mesh files in: PLY (ascii, both binary orders, tristrips), OBJ, STL (both), OFF, glTF/GLB (Draco and meshopt too).
+/// A reader streams blocks into a sink, so a file larger than memory can be read in one pass.
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+
+#include "ooc/result.h"
+#include "ooc/surface_mesh.h"
+
+namespace cuesta {
+
+/// A run of consecutive vertices in file order. Attribute spans are empty or as long as `positions`.
+/// The same attributes are present in every block of a file.
+struct VertexBlock {
+  std::span<const Vec3d> positions;
+  std::span<const Vec3f> normals;
+  std::span<const Rgba8> colours;
+  std::span<const TexCoord> texcoords;
+};
+
+/// Indices count the vertices of the whole file from 0, in the order in which the blocks gave them.
+/// A sink may get triangles before the vertices they name; readers have checked indices against the file's count.
+using TriangleBlock = std::span<const std::array<std::uint64_t, 3>>;
+
+/// Receives a file in blocks of at most 2^16 elements. An error returned by a sink ends the read with that error.
+class MeshSink {
+ public:
+  virtual ~MeshSink() = default;
+  virtual Result<void> vertices(const VertexBlock& block) = 0;
+  virtual Result<void> triangles(TriangleBlock block) = 0;
+};
+
+/// What a reader left out, by cause. Counted, reported once at the end, kept in the .cuesta file's metadata.
+struct ReadReport {
+  std::uint64_t vertices = 0;
+  std::uint64_t triangles = 0;
+  std::uint64_t polygons_triangulated = 0;   ///< faces with more than three corners
+  std::uint64_t faces_out_of_range = 0;      ///< dropped: an index beyond the vertices of the file
+  std::uint64_t faces_too_small = 0;         ///< dropped: fewer than three corners
+};
+
+/// Bytes read so far of the total, for a progress bar; returning false cancels the read.
+using ReadProgress = std::function<bool(std::uint64_t bytes_done, std::uint64_t bytes_total)>;
+
+/// Reads `path`, its format taken from the content (magic bytes), else from the extension.
+/// @param memory_bytes  what the reader itself may allocate (text formats and glTF hold the file in memory).
+/// @error not_found, io; corrupt or unsupported_version with line or byte; out_of_budget before a count in the
+///        file makes it allocate more; cancelled. Never more memory than `memory_bytes` + 16 MiB.
+Result<ReadReport> read_mesh(const std::filesystem::path& path, MeshSink& sink, std::uint64_t memory_bytes,
+                             const ReadProgress& progress = {});
+
+/// Reads a whole file into memory. @error as read_mesh; out_of_budget above 2^32 - 2 vertices or `memory_bytes`.
+Result<SurfaceMesh> load_mesh(const std::filesystem::path& path, std::uint64_t memory_bytes,
+                              ReadReport* report = nullptr, const ReadProgress& progress = {});
+
+}  // namespace cuesta
