@@ -1,5 +1,5 @@
 #pragma once
-/// A current OpenGL 3.3 core context and an off-screen target, however it was obtained.
+/// A current OpenGL 3.3 core context, however it was obtained.
 
 #include <memory>
 #include <string_view>
@@ -10,15 +10,18 @@ namespace cuesta {
 
 using GlProc = void (*)();
 
-/// Makes its context current on construction and keeps it so; one context per thread.
+/// Makes its context current on construction and keeps it so; one context per thread. The Renderer draws into
+/// its own framebuffer, so the size of the context's does not matter.
 class GlContext {
  public:
   virtual ~GlContext() = default;
+  /// Entry point by its full name ("glClear"); null if the driver does not have it.
   virtual GlProc proc(const char* name) const = 0;
   virtual std::string_view kind() const = 0;  ///< "osmesa", "egl", "glfw"
 };
 
-/// Off-screen context without any display or GPU (OSMesa, llvmpipe). @error io if Mesa gives no 3.3 core context.
-Result<std::unique_ptr<GlContext>> make_osmesa_context(int width_px, int height_px);
+/// Off-screen context without any display or GPU (OSMesa, llvmpipe). The size is of its default framebuffer.
+/// @error io if Mesa gives no 3.3 core context.
+Result<std::unique_ptr<GlContext>> make_osmesa_context(int width_px = 16, int height_px = 16);
 
 }  // namespace cuesta

@@ -1,0 +1,80 @@
+#pragma once
+/// The OpenGL entry points that drawing uses, loaded by name: works under OSMesa, EGL and GLFW alike.
+
+#include <GL/glcorearb.h>
+
+#include "ooc/result.h"
+#include "runtime/draw/gl_context.h"
+
+namespace cuesta {
+
+// X(type, name without "gl")
+#define CUESTA_GL_FUNCTIONS(X)                                               \
+  X(PFNGLATTACHSHADERPROC, AttachShader)                                     \
+  X(PFNGLBINDBUFFERPROC, BindBuffer)                                         \
+  X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                               \
+  X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                             \
+  X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                               \
+  X(PFNGLBLITFRAMEBUFFERPROC, BlitFramebuffer)                               \
+  X(PFNGLBUFFERDATAPROC, BufferData)                                         \
+  X(PFNGLBUFFERSUBDATAPROC, BufferSubData)                                   \
+  X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)                 \
+  X(PFNGLCLEARPROC, Clear)                                                   \
+  X(PFNGLCLEARCOLORPROC, ClearColor)                                         \
+  X(PFNGLCLEARDEPTHPROC, ClearDepth)                                         \
+  X(PFNGLCOMPILESHADERPROC, CompileShader)                                   \
+  X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                   \
+  X(PFNGLCREATESHADERPROC, CreateShader)                                     \
+  X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                   \
+  X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                         \
+  X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                   \
+  X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                       \
+  X(PFNGLDELETESHADERPROC, DeleteShader)                                     \
+  X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                         \
+  X(PFNGLDEPTHFUNCPROC, DepthFunc)                                           \
+  X(PFNGLDISABLEPROC, Disable)                                               \
+  X(PFNGLENABLEPROC, Enable)                                                 \
+  X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)               \
+  X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)               \
+  X(PFNGLGENBUFFERSPROC, GenBuffers)                                         \
+  X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                               \
+  X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                             \
+  X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                               \
+  X(PFNGLGETERRORPROC, GetError)                                             \
+  X(PFNGLGETINTEGERVPROC, GetIntegerv)                                       \
+  X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                           \
+  X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                     \
+  X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                             \
+  X(PFNGLGETSHADERIVPROC, GetShaderiv)                                       \
+  X(PFNGLGETSTRINGIPROC, GetStringi)                                         \
+  X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                         \
+  X(PFNGLLINKPROGRAMPROC, LinkProgram)                                       \
+  X(PFNGLMULTIDRAWELEMENTSPROC, MultiDrawElements)                           \
+  X(PFNGLREADPIXELSPROC, ReadPixels)                                         \
+  X(PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC, RenderbufferStorageMultisample) \
+  X(PFNGLSHADERSOURCEPROC, ShaderSource)                                     \
+  X(PFNGLUNIFORM1FPROC, Uniform1f)                                           \
+  X(PFNGLUNIFORM2FPROC, Uniform2f)                                           \
+  X(PFNGLUNIFORM3FPROC, Uniform3f)                                           \
+  X(PFNGLUNIFORM3IPROC, Uniform3i)                                           \
+  X(PFNGLUNIFORMMATRIX3FVPROC, UniformMatrix3fv)                             \
+  X(PFNGLUSEPROGRAMPROC, UseProgram)                                         \
+  X(PFNGLVERTEXATTRIBIPOINTERPROC, VertexAttribIPointer)                     \
+  X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                       \
+  X(PFNGLVIEWPORTPROC, Viewport)
+
+struct GlFunctions {
+#define CUESTA_GL_MEMBER(type, name) type name = nullptr;
+  CUESTA_GL_FUNCTIONS(CUESTA_GL_MEMBER)
+#undef CUESTA_GL_MEMBER
+  PFNGLCLIPCONTROLPROC ClipControl = nullptr;  ///< OpenGL 4.5 or GL_ARB_clip_control; null without it
+};
+
+/// @error io, naming the first entry point that the driver lacks.
+Result<GlFunctions> load_gl_functions(const GlContext& context);
+
+/// Collects the error flags raised since the last call. @error io with their names; out_of_budget for GL's
+/// out of memory.
+Result<void> check_gl_errors(const GlFunctions& gl, const char* doing);
+
+}  // namespace cuesta

@@ -1,0 +1,17 @@
+#pragma once
+/// The GLSL of surfaces: from pool vertices to lit, wireframe or normal-coloured pixels.
+
+#include "runtime/draw/gl_program.h"
+#include "runtime/draw/renderer.h"
+
+namespace cuesta {
+
+/// Attribute locations that the vertex shader declares.
+enum SurfaceAttribute : GLuint { position_attribute = 0, normal_attribute = 1, colour_attribute = 2 };
+
+/// @param fragment_depth  the fragment shader writes the reversed depth itself (slower: no early depth test),
+/// for
+///                        drivers without glClipControl.
+ShaderSources surface_shaders(Shading shading, bool fragment_depth);
+
+}  // namespace cuesta
