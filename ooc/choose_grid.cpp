@@ -1,0 +1,64 @@
+#include "ooc/choose_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace cuesta {
+namespace {
+
+/// 0 when every edge of the sample has length 0.
+double median_edge(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
+  const std::size_t stride = triangles.size() / kEdgeSampleTriangles + 1;
+  std::vector<double> lengths;
+  for (std::size_t i = 0; i < triangles.size(); i += stride)
+    for (int k = 0; k < 3; ++k) {
+      const std::size_t c = static_cast<std::size_t>(k);
+      const double l = length(positions[triangles[i][c]] - positions[triangles[i][(c + 1) % 3]]);
+      if (l > 0) lengths.push_back(l);
+    }
+  if (lengths.empty()) return 0;
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return *middle;
+}
+
+double default_step(double extent, double edge) {
+  const double step = std::max(edge / kStepsPerMedianEdge, extent / kMaxDefaultSteps);
+  return step > 0 ? std::max(step, std::numeric_limits<double>::min()) : 1;
+}
+
+/// Far from zero, neighbouring doubles can be further apart than a step: then the minimum itself is the
+/// origin.
+double round_down(double lo, double step) {
+  double origin = std::floor(lo / step) * step;
+  if (origin > lo) origin -= step;
+  return origin <= lo && lo - origin <= 2 * step ? origin : lo;
+}
+
+double largest(Vec3d v) {
+  return std::max({v.x, v.y, v.z});
+}
+
+}  // namespace
+
+Result<Grid> choose_grid(std::span<const Vec3d> positions, std::span<const Triangle> triangles, double step) {
+  if (!(step >= 0) || std::isinf(step))
+    return fail(ErrorCode::invalid_input, "", "",
+                "the grid step must be a positive number, or 0 for a default");
+  Box3d box;
+  for (const Triangle& t : triangles)
+    for (const std::uint32_t v : t) box.add(positions[v]);
+  if (box.empty()) return Grid{};
+  const double extent = largest(box.hi - box.lo);
+  if (step == 0) step = default_step(extent, median_edge(positions, triangles));
+  const Grid grid{{round_down(box.lo.x, step), round_down(box.lo.y, step), round_down(box.lo.z, step)}, step};
+  if (!(largest((box.hi - grid.origin) / step) + 1 < kMaxGridCoordinate))
+    return fail(ErrorCode::invalid_input, "", "",
+                "an extent of " + std::to_string(extent) + " is more than 2^30 grid steps of " +
+                    std::to_string(step) + "; use a larger step");
+  return grid;
+}
+
+}  // namespace cuesta
