@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numeric>
 #include <tuple>
 
 namespace cuesta {
@@ -139,8 +138,9 @@ std::string check_edges(const std::vector<HalfEdge>& edges) {
 /// Sets of corners that are joined across edges.
 class CornerSets {
  public:
-  explicit CornerSets(std::size_t corners) : parent_(corners) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  explicit CornerSets(std::size_t corners) {
+    parent_.reserve(corners);
+    for (std::size_t c = 0; c < corners; ++c) parent_.push_back(c);
   }
   std::size_t root(std::size_t c) {
     while (parent_[c] != c) c = parent_[c] = parent_[parent_[c]];
