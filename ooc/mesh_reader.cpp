@@ -1,0 +1,184 @@
+#include "ooc/mesh_reader.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <cstring>
+#include <new>
+#include <string_view>
+
+#include "ooc/mapped_file.h"
+#include "ooc/read_job.h"
+#include "ooc/text_cursor.h"
+
+namespace cuesta {
+namespace {
+
+using Reader = Result<ReadReport> (*)(const ReadJob&);
+
+/// A binary STL says its size: 84 bytes and 50 per triangle. Its 80-byte header may begin with "solid".
+bool is_sized_like_binary_stl(std::span<const char> bytes) {
+  if (bytes.size() < 84) return false;
+  std::uint32_t count = 0;
+  std::memcpy(&count, bytes.data() + 80, 4);
+  return bytes.size() == 84 + std::uint64_t{50} * count;
+}
+
+std::string_view first_word(std::span<const char> bytes) {
+  TextCursor text{bytes.data(), bytes.data() + bytes.size()};
+  text.skip_spaces();
+  while (!text.done() && *text.at == '#') {
+    text.skip_line();
+    text.skip_spaces();
+  }
+  return text.word().substr(0, 16);
+}
+
+bool is_off_keyword(std::string_view word) {
+  if (!word.ends_with("OFF")) return false;
+  word.remove_suffix(3);
+  for (const std::string_view prefix : {"ST", "C", "N", "4", "n"}) {
+    if (word.starts_with(prefix)) word.remove_prefix(prefix.size());
+  }
+  return word.empty();
+}
+
+Reader reader_by_content(std::span<const char> bytes) {
+  const std::string_view start(bytes.data(), std::min<std::size_t>(bytes.size(), 64));
+  if (start.starts_with("ply\n") || start.starts_with("ply\r")) return read_ply;
+  if (start.starts_with("glTF")) return read_gltf;
+  if (start.starts_with("DRACO")) return read_draco;
+  if (is_sized_like_binary_stl(bytes)) return read_stl_binary;
+  const std::string_view word = first_word(bytes);
+  if (is_off_keyword(word)) return read_off;
+  if (word == "solid" || word == "SOLID" || word == "Solid") return read_stl_ascii;
+  return nullptr;
+}
+
+Reader reader_by_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (extension == ".ply") return read_ply;
+  if (extension == ".obj") return read_obj;
+  if (extension == ".stl") return read_stl_binary;
+  if (extension == ".off") return read_off;
+  if (extension == ".gltf" || extension == ".glb") return read_gltf;
+  if (extension == ".drc") return read_draco;
+  return nullptr;
+}
+
+Result<ReadReport> read_into(const std::filesystem::path& path, MeshSink& sink, ReadBudget& budget,
+                             const ReadProgress& progress,
+                             std::function<Result<void>(std::uint64_t, std::uint64_t)> expect) {
+  auto file = MappedFile::open(path);
+  if (!file) return fail(std::move(file).error());
+  const std::span<const char> bytes = file->bytes();
+  const ReadJob job{path, bytes, sink, budget, progress, std::move(expect)};
+  if (bytes.empty()) return job.corrupt_at(0, "expected a mesh, found an empty file");
+  Reader reader = reader_by_content(bytes);
+  if (!reader) reader = reader_by_extension(path);
+  if (!reader) {
+    return job.error(
+        ErrorCode::unsupported_version, "byte 0",
+        "not a mesh format known here; PLY, OBJ, STL, OFF, glTF, GLB and Draco (.drc) files can be read");
+  }
+  file->advise_sequential();
+  Result<ReadReport> report = [&]() -> Result<ReadReport> {
+    try {
+      return reader(job);
+    } catch (const std::bad_alloc&) {
+      return job.error(ErrorCode::out_of_budget, "", "the system has no memory left");
+    }
+  }();
+  if (!report && report.error().file.empty()) report.error().file = path.string();
+  return report;
+}
+
+/// Collects blocks in vectors whose capacity is charged before they grow.
+class CollectingSink : public MeshSink {
+ public:
+  CollectingSink(SurfaceMesh& mesh, ReadBudget& budget) : mesh_(mesh), budget_(budget) {}
+
+  Result<void> expect(std::uint64_t vertices, std::uint64_t triangles) {
+    CUESTA_TRY(check_count(vertices));
+    CUESTA_TRY(reserve(mesh_.positions, vertices, "vertices"));
+    return reserve(mesh_.triangles, triangles, "triangles");
+  }
+
+  Result<void> vertices(const VertexBlock& block) override {
+    CUESTA_TRY(check_count(mesh_.positions.size() + block.positions.size()));
+    CUESTA_TRY(append(mesh_.positions, block.positions, "vertices"));
+    CUESTA_TRY(append(mesh_.normals, block.normals, "normals"));
+    CUESTA_TRY(append(mesh_.colours, block.colours, "colours"));
+    return append(mesh_.texcoords, block.texcoords, "texture coordinates");
+  }
+
+  Result<void> triangles(TriangleBlock block) override {
+    CUESTA_TRY(make_room(mesh_.triangles, block.size(), "triangles"));
+    for (const auto& [a, b, c] : block) {
+      if ((a | b | c) >> 32) return too_many();
+      mesh_.triangles.push_back(
+          {static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), static_cast<std::uint32_t>(c)});
+    }
+    return {};
+  }
+
+ private:
+  static tl::unexpected<Error> too_many() {
+    return fail(ErrorCode::out_of_budget, "", "", "more than 2^32 - 2 vertices do not fit an in-memory mesh");
+  }
+  static Result<void> check_count(std::uint64_t count) {
+    if (count > 0xffff'fffe) return too_many();
+    return {};
+  }
+
+  /// While a vector moves, the old and the new storage both exist.
+  template <class T>
+  Result<void> reserve(std::vector<T>& v, std::uint64_t count, const char* what) {
+    if (count <= v.capacity()) return {};
+    const std::uint64_t old_bytes = v.capacity() * sizeof(T);
+    CUESTA_TRY(budget_.charge(count, sizeof(T), what));
+    v.reserve(count);
+    budget_.release(old_bytes);
+    return {};
+  }
+  /// Grows by half, or by less when only less is left.
+  template <class T>
+  Result<void> make_room(std::vector<T>& v, std::size_t more, const char* what) {
+    const std::uint64_t needed = v.size() + more;
+    if (needed <= v.capacity()) return {};
+    const std::uint64_t generous = std::max<std::uint64_t>(needed, v.capacity() + v.capacity() / 2);
+    return reserve(v, generous <= budget_.left() / sizeof(T) ? generous : needed, what);
+  }
+  template <class T>
+  Result<void> append(std::vector<T>& v, std::span<const T> block, const char* what) {
+    CUESTA_TRY(make_room(v, block.size(), what));
+    v.insert(v.end(), block.begin(), block.end());
+    return {};
+  }
+
+  SurfaceMesh& mesh_;
+  ReadBudget& budget_;
+};
+
+}  // namespace
+
+Result<ReadReport> read_mesh(const std::filesystem::path& path, MeshSink& sink, std::uint64_t memory_bytes,
+                             const ReadProgress& progress) {
+  ReadBudget budget(memory_bytes);
+  return read_into(path, sink, budget, progress, {});
+}
+
+Result<SurfaceMesh> load_mesh(const std::filesystem::path& path, std::uint64_t memory_bytes,
+                              ReadReport* report, const ReadProgress& progress) {
+  SurfaceMesh mesh;
+  ReadBudget budget(memory_bytes);
+  CollectingSink sink(mesh, budget);
+  auto done = read_into(path, sink, budget, progress,
+                        [&sink](std::uint64_t v, std::uint64_t t) { return sink.expect(v, t); });
+  if (!done) return fail(std::move(done).error());
+  if (report) *report = *done;
+  return mesh;
+}
+
+}  // namespace cuesta
