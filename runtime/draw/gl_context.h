@@ -1,5 +1,5 @@
 #pragma once
-/// A current OpenGL 3.3 core context, however it was obtained.
+/// An OpenGL 3.3 core context, however it was obtained.
 
 #include <memory>
 #include <string_view>
@@ -10,11 +10,13 @@ namespace cuesta {
 
 using GlProc = void (*)();
 
-/// Makes its context current on construction and keeps it so; one context per thread. The Renderer draws into
-/// its own framebuffer, so the size of the context's does not matter.
+/// Current when it is made. Its user makes it current again before each use, so that several may live in one
+/// thread. The Renderer draws into its own framebuffer, so the size of the context's does not matter.
 class GlContext {
  public:
   virtual ~GlContext() = default;
+  /// Makes it the calling thread's context; cheap if it already is. False if the driver refuses.
+  virtual bool make_current() = 0;
   /// Entry point by its full name ("glClear"); null if the driver does not have it.
   virtual GlProc proc(const char* name) const = 0;
   virtual std::string_view kind() const = 0;  ///< "osmesa", "egl", "glfw"

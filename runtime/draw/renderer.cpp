@@ -27,6 +27,10 @@ Vec3f linear_from_srgb(Rgba8 colour) {
   return {linear_from_srgb(colour[0]), linear_from_srgb(colour[1]), linear_from_srgb(colour[2])};
 }
 
+tl::unexpected<Error> not_current() {
+  return fail(ErrorCode::io, "", "", "the OpenGL context cannot be made current");
+}
+
 /// The draw ranges in the form of glMultiDrawElements; kept to be reused.
 struct MultiDraw {
   std::vector<GLsizei> counts;
@@ -48,7 +52,10 @@ struct MultiDraw {
 class GlRenderer final : public Renderer {
  public:
   GlRenderer(std::unique_ptr<GlContext> context, const GlFunctions& gl);
-  ~GlRenderer() override { gl_.DeleteVertexArrays(1, &vertex_array_); }
+  ~GlRenderer() override {
+    context_->make_current();  // the members' destructors delete from it
+    gl_.DeleteVertexArrays(1, &vertex_array_);
+  }
   GlRenderer(const GlRenderer&) = delete;
   GlRenderer& operator=(const GlRenderer&) = delete;
 
@@ -135,6 +142,7 @@ void GlRenderer::set_uniforms(const GlProgram& program, const CameraMatrices& ca
 }
 
 Result<void> GlRenderer::draw(const DrawList& list, const View& view, const DrawOptions& options) {
+  if (!context_->make_current()) return not_current();
   gl_.BindVertexArray(vertex_array_);
   vertices_.upload(list.vertices, list.changed_vertices);
   indices_.upload(list.indices, list.changed_indices);
@@ -152,6 +160,7 @@ Result<void> GlRenderer::draw(const DrawList& list, const View& view, const Draw
 }
 
 Result<Picture> GlRenderer::read() {
+  if (!context_->make_current()) return not_current();
   Picture picture = target_.read();
   if (picture.pixels.empty()) return fail(ErrorCode::invalid_input, "", "", "nothing has been drawn yet");
   if (auto ok = check_gl_errors(gl_, "reading the picture"); !ok) return fail(ok.error());
@@ -162,6 +171,7 @@ Result<Picture> GlRenderer::read() {
 
 Result<std::unique_ptr<Renderer>> Renderer::create(std::unique_ptr<GlContext> context) {
   CUESTA_CHECK(context != nullptr);
+  if (!context->make_current()) return not_current();
   const auto gl = load_gl_functions(*context);
   if (!gl) return fail(gl.error());
   auto renderer = std::make_unique<GlRenderer>(std::move(context), *gl);

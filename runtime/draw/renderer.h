@@ -30,7 +30,7 @@ struct DrawOptions {
   bool antialias = true;  ///< 4 samples per pixel where the driver has them
 };
 
-/// Threads: the one that the context is current in. Owns about 8 bytes per sample and 4 per pixel of the last
+/// Threads: one at a time. Owns about 8 bytes per sample and 4 per pixel of the last
 /// picture's size, and GPU copies of the pools.
 class Renderer {
  public:

@@ -91,10 +91,10 @@ uniform vec3 fill_direction;
 
 out vec4 pixel;
 
-const vec3 key_light = vec3(1.02, 0.98, 0.90);
-const vec3 fill_light = vec3(0.13, 0.16, 0.21);
-const vec3 sky_light = vec3(0.20, 0.215, 0.24);
-const vec3 ground_light = vec3(0.085, 0.075, 0.07);
+const vec3 key_light = vec3(0.91, 0.86, 0.77);
+const vec3 fill_light = vec3(0.120, 0.150, 0.195);
+const vec3 sky_light = vec3(0.130, 0.142, 0.165);
+const vec3 ground_light = vec3(0.040, 0.034, 0.030);
 const vec3 back_face_colour = vec3(0.13, 0.21, 0.40);
 
 /// Towards the viewer's side of the surface as its winding tells; facets without vertex normals.
@@ -107,9 +107,9 @@ vec3 shading_normal() {
 
 vec3 lit(vec3 n, vec3 colour) {
   vec3 to_eye = normalize(-surface.position);
-  float key = max(dot(n, key_direction), 0.0);
+  float key = max(0.86 * dot(n, key_direction) + 0.14, 0.0);  // a large lamp: past the terminator
   float fill = 0.5 + 0.5 * dot(n, fill_direction);
-  float shine = max(dot(n, normalize(key_direction + to_eye)), 0.0);
+  float shine = key > 0.0 ? max(dot(n, normalize(key_direction + to_eye)), 0.0) : 0.0;
   shine *= shine;
   shine *= shine;
   shine *= shine;  // 8
@@ -117,7 +117,7 @@ vec3 lit(vec3 n, vec3 colour) {
   float grazing = 1.0 - max(dot(n, to_eye), 0.0);
   float rim = grazing * grazing * grazing;
   vec3 diffuse = key * key_light + fill * fill * fill_light + mix(ground_light, sky_light, 0.5 + 0.5 * n.y);
-  return colour * diffuse + key_light * (0.035 * shine * key + 0.075 * glint) + rim * 0.18 * sky_light;
+  return colour * diffuse + key_light * (0.04 * shine + 0.08 * glint) + rim * 0.35 * sky_light;
 }
 
 #ifdef WIREFRAME
