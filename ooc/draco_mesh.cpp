@@ -133,7 +133,7 @@ Result<DracoMesh> DracoMesh::decode(std::span<const char> bytes, ReadBudget& bud
   if (!counts) return fail(counts.error());
   const std::uint64_t needed =
       counts->faces * decode_bytes_per_face + counts->vertices * decode_bytes_per_vertex + decode_bytes_fixed;
-  CUESTA_TRY(budget.charge(needed, 1, "bytes to decode Draco data:"));
+  CUESTA_TRY(budget.charge(needed, 1, "bytes to decode Draco data"));
   auto impl = std::make_unique<Impl>();
   impl->budget = &budget;
   impl->charged = needed;
@@ -152,7 +152,7 @@ Result<DracoMesh> DracoMesh::decode(std::span<const char> bytes, ReadBudget& bud
   const std::uint64_t kept = impl->kept_bytes();
   budget.release(needed);
   impl->charged = 0;
-  CUESTA_TRY(budget.charge(kept, 1, "bytes of decoded Draco data:"));
+  CUESTA_TRY(budget.charge(kept, 1, "bytes of decoded Draco data"));
   impl->charged = kept;
   return DracoMesh(std::move(impl));
 }

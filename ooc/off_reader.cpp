@@ -63,14 +63,15 @@ class OffReader {
     skip_to_value();
     const TextCursor start = text_;
     std::string_view word = text_.word();
-    if (word.ends_with("OFF")) {
-      word.remove_suffix(3);
+    if (const std::size_t keyword = word.find("OFF"); keyword != word.npos) {
+      text_.at = start.at + keyword + 3;  // a count may follow without a blank
+      word = word.substr(0, keyword);
       attributes_.texcoords = take(word, "ST");
       attributes_.colours = take(word, "C");
       attributes_.normals = take(word, "N");
       if (!word.empty()) {
         return job_.error(ErrorCode::unsupported_version, "line 1",
-                          fmt::format("OFF with {} (other than three dimensions) is not read", quoted(word)));
+                          fmt::format("OFF with {} (other than three dimensions) is not read", quote_word(word)));
       }
     } else {
       text_ = start;  // the keyword is optional

@@ -64,7 +64,7 @@ class HeaderParser {
         CUESTA_TRY(property(rest));
       } else if (word != "comment" && word != "obj_info" && !word.empty()) {
         return job_.corrupt_line(text_.at - 1,
-                                 fmt::format("expected a PLY header line, found {}", quoted(word)));
+                                 fmt::format("expected a PLY header line, found {}", quote_word(word)));
       }
     }
     if (!has_format)
@@ -108,7 +108,7 @@ class HeaderParser {
     const std::string_view version = take_word(rest);
     if (version == "1.0") return {};
     return job_.error(ErrorCode::unsupported_version, "line 2",
-                      fmt::format("PLY version {}; 1.0 can be read", quoted(version)));
+                      fmt::format("PLY version {}; 1.0 can be read", quote_word(version)));
   }
 
   Result<void> element(std::string_view rest) {
@@ -141,7 +141,7 @@ class HeaderParser {
     property.name = take_word(rest);
     if (!value || property.name.empty()) {
       return job_.corrupt_line(text_.at - 1,
-                               fmt::format("expected a type and a name, found {}", quoted(type)));
+                               fmt::format("expected a type and a name, found {}", quote_word(type)));
     }
     property.type = *value;
     header_.elements.back().properties.push_back(std::move(property));

@@ -161,7 +161,7 @@ class PlyReader {
   }
   tl::unexpected<Error> bad_row(const Source& source, const PlyElement& element, std::uint64_t row) const {
     return corrupt(source, fmt::format("expected {} of {} rows of element {}, found {}", row + 1,
-                                       element.count, quoted(element.name),
+                                       element.count, quote_word(element.name),
                                        source.left() < 64 ? "the end of the file" : "something else"));
   }
 
@@ -171,7 +171,7 @@ class PlyReader {
     if (least == 0 || element.count <= (source.left() + 1) / least) return {};
     return corrupt(source,
                    fmt::format("expected {} rows of element {}, at least {} bytes each, found {} bytes",
-                               element.count, quoted(element.name), least, source.left()));
+                               element.count, quote_word(element.name), least, source.left()));
   }
 
   Result<void> skip_element(Source& source, const PlyElement& element) {

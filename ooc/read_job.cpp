@@ -9,9 +9,9 @@ namespace cuesta {
 Result<void> ReadBudget::charge(std::uint64_t count, std::uint64_t element_bytes, const char* what) {
   const std::uint64_t free = left();
   if (element_bytes != 0 && count > free / element_bytes) {
+    const std::string each = element_bytes == 1 ? "" : fmt::format(" of {} bytes each", element_bytes);
     return fail(ErrorCode::out_of_budget, "", "",
-                fmt::format("{} {} of {} bytes each do not fit in the {} bytes left; allow more memory",
-                            count, what, element_bytes, free));
+                fmt::format("{} {}{} do not fit in the {} bytes left; allow more memory", count, what, each, free));
   }
   used_ += count * element_bytes;
   return {};
@@ -33,7 +33,7 @@ Result<void> ReadJob::report_progress(std::uint64_t bytes_done) const {
   return {};
 }
 
-std::string quoted(std::string_view word) {
+std::string quote_word(std::string_view word) {
   std::string text(word.substr(0, 40));
   for (char& c : text) {
     if (c < ' ' || c > '~') c = '?';

@@ -51,7 +51,7 @@ struct ReadJob {
 };
 
 /// A word of a file for an error message: in quotes, at most 40 characters, what is not printable as '?'.
-std::string quoted(std::string_view word);
+std::string quote_word(std::string_view word);
 
 // One per format; the caller has recognised the format. None throws.
 Result<ReadReport> read_ply(const ReadJob& job);
