@@ -8,6 +8,11 @@
 namespace cuesta::plot {
 namespace {
 
+struct Unit {
+  double size;
+  const char* name;
+};
+
 /// A typographic minus.
 std::string signed_text(std::string text) {
   if (!text.empty() && text[0] == '-') text.replace(0, 1, "−");
@@ -49,17 +54,31 @@ double linear_step(const Scale& scale, int wanted) {
   return round_step((scale.high - scale.low) / std::max(wanted, 1));
 }
 
+/// The largest named unit that `size` reaches; plain numbers below 10⁴.
+Unit unit_of(double size) {
+  for (const Unit& unit : {Unit{1e9, " G"}, Unit{1e6, " M"}, Unit{1e3, " k"}}) {
+    if (size >= std::max(unit.size, 1e4) * (1 - 1e-9)) return unit;
+  }
+  return {1, ""};
+}
+
+std::string in_unit(double value, const Unit& unit, int decimals) {
+  return signed_text(without_zeros(fmt::format("{:.{}f}", value / unit.size, decimals))) + unit.name;
+}
+
+/// One unit and one number of decimals for the whole axis.
 std::vector<Tick> linear_ticks(const Scale& scale, int wanted) {
   const double step = linear_step(scale, wanted);
   const double largest = std::max(std::abs(scale.low), std::abs(scale.high));
-  const double unit = largest >= 1e9 ? 1e9 : largest >= 1e6 ? 1e6 : largest >= 1e5 ? 1e3 : 1;
-  const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step / unit) - 1e-9)));
+  const bool tiny = largest < 1e-3, huge = largest >= 1e12;
+  const Unit unit = unit_of(largest);
+  const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step / unit.size) - 1e-9)));
   std::vector<Tick> result;
   for (double i = std::ceil(scale.low / step - 1e-9); i * step <= scale.high + 1e-9 * step; ++i) {
     const double value = i * step;
-    const bool plain = unit > 1 || largest >= 1e-3;
-    std::string label = i == 0 ? "0" : plain ? short_number(value, decimals) : power_of_ten(value);
-    result.push_back({value, std::move(label)});
+    result.push_back({value, i == 0         ? "0"
+                             : tiny || huge ? power_of_ten(value)
+                                            : in_unit(value, unit, decimals)});
   }
   return result;
 }
@@ -118,12 +137,7 @@ std::string short_number(double value, int decimals) {
   const double size = std::abs(value);
   if (size == 0) return "0";
   if (size < 0.99e-3 || size >= 1e12) return power_of_ten(value);
-  for (const auto& [unit, name] : {std::pair{1e9, " G"}, {1e6, " M"}, {1e3, " k"}}) {
-    if (size >= unit * (1 - 1e-9) && size >= 1e5 * (1 - 1e-9)) {
-      return signed_text(without_zeros(fmt::format("{:.{}f}", value / unit, decimals))) + name;
-    }
-  }
-  return signed_text(without_zeros(fmt::format("{:.{}f}", value, decimals)));
+  return in_unit(value, unit_of(size), decimals);
 }
 
 }  // namespace cuesta::plot

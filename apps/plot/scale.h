@@ -29,7 +29,7 @@ std::vector<Tick> ticks(const Scale& scale, int wanted);
 /// ten.
 void widen(Scale& scale, int wanted);
 
-/// "0.25", "1.5 M", "2×10⁻⁵": at most `decimals` decimals for magnitudes from 10⁻³ to 10⁵.
+/// "0.25", "20 k", "1.5 M", "2×10⁻⁵": at most `decimals` decimals, no trailing zeros.
 std::string short_number(double value, int decimals);
 
 }  // namespace cuesta::plot

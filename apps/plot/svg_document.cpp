@@ -81,7 +81,6 @@ void SvgDocument::text(Point at, std::string_view words, const Font& font) {
   if (font.bold) out_ += R"( font-weight="bold")";
   if (font.turn_deg != 0)
     out_ += fmt::format(" transform='rotate({:g} {:.2f} {:.2f})'", font.turn_deg, at.x, at.y);
-  if (font.halo) out_ += R"( stroke="#ffffff" stroke-width="3" stroke-linejoin="round" paint-order="stroke")";
   out_ += ">" + escaped(words) + "</text>\n";
 }
 

@@ -25,7 +25,6 @@ struct Font {
   bool bold = false;
   Anchor anchor = Anchor::start;
   double turn_deg = 0;
-  bool halo = false;  ///< white outline, for text on lines
 };
 
 /// Elements in drawing order; finish() closes the document.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <span>
 
@@ -21,8 +22,9 @@ constexpr const char* quiet_ink = "#555555";
 constexpr const char* grid_colour = "#e4e4e4";
 constexpr const char* axis_colour = "#888888";
 constexpr const char* limit_colour = "#b00020";
-constexpr double margin = 18, label_space = 18, panel_title_space = 28, panel_gap = 14, x_axis_space = 50;
-constexpr double tick_size = 11.5, label_size = 12, legend_size = 12;
+constexpr double margin = 18, label_space = 18, panel_title_space = 28, legend_row = 19, panel_gap = 14,
+                 x_axis_space = 50;
+constexpr double tick_size = 11.5, label_size = 12, legend_size = 12, limit_size = 11.5;
 constexpr std::size_t markers_up_to = 40;  ///< points: then each gets a dot
 
 /// Where things go, in pixels.
@@ -30,9 +32,11 @@ struct Layout {
   double left = 0, right = 0, top = 0;  ///< of the drawn areas, and of the first panel's title
 };
 
+/// Long noisy lines are thinner, or they would be bands.
 Stroke pen_of(const Series& series, std::size_t place) {
   const std::size_t i = series.colour.value_or(place);
-  return {palette[i % palette.size()], 1.8, dash_patterns[i / palette.size() % dash_patterns.size()]};
+  const double width = series.x.size() > 1000 ? 1.2 : 1.8;
+  return {palette[i % palette.size()], width, dash_patterns[i / palette.size() % dash_patterns.size()]};
 }
 
 /// Grows [low, high] over the values that the scale accepts.
@@ -71,7 +75,7 @@ Scale x_scale(const Chart& chart, const Layout& layout) {
 }
 
 int wanted_y_ticks(const Panel& panel) {
-  return std::max(2, static_cast<int>(panel.height_px / 45));
+  return std::max(2, static_cast<int>(panel.height_px / 38));
 }
 
 Scale y_scale(const Panel& panel, double top_px) {
@@ -158,29 +162,73 @@ void draw_x_axis(SvgDocument& svg, const Chart& chart, const Scale& x, const Sca
            {.size = label_size, .colour = ink, .anchor = Anchor::middle});
 }
 
-/// Names above the panel, right-aligned, each after a piece of its line.
-void draw_legend(SvgDocument& svg, const Panel& panel, const Layout& layout, double baseline) {
-  double at = layout.right;
-  for (std::size_t i = panel.series.size(); i-- > 0;) {
+/// Which series stand in which row of the legend. One row beside the title if all fit there, else rows below
+/// it.
+struct Legend {
+  std::vector<std::vector<std::size_t>> rows;
+  bool beside_title = true;
+  double extra_height() const { return beside_title ? 0 : static_cast<double>(rows.size()) * legend_row; }
+};
+
+constexpr double legend_line = 28, legend_gap = 18;
+
+double entry_width(const Series& series) {
+  return legend_line + text_width(series.name, legend_size) + legend_gap;
+}
+
+Legend legend_of(const Panel& panel, const Layout& layout) {
+  Legend legend;
+  const double room = layout.right - layout.left;
+  double all = 0, used = room;
+  for (std::size_t i = 0; i < panel.series.size(); ++i) {
+    if (panel.series[i].name.empty()) continue;
+    const double width = entry_width(panel.series[i]);
+    all += width;
+    if (used + width > room + legend_gap) {
+      legend.rows.emplace_back();
+      used = 0;
+    }
+    legend.rows.back().push_back(i);
+    used += width;
+  }
+  legend.beside_title = legend.rows.size() <= 1 && all + text_width(panel.title, 15) <= room;
+  return legend;
+}
+
+void draw_legend_row(SvgDocument& svg, const Panel& panel, const std::vector<std::size_t>& row, double at,
+                     double y) {
+  for (const std::size_t i : row) {
     const Series& series = panel.series[i];
-    if (series.name.empty()) continue;
     const Stroke pen = pen_of(series, i);
-    at -= text_width(series.name, legend_size);
-    svg.text({at, baseline}, series.name, {.size = legend_size, .colour = ink});
-    svg.line({at - 28, baseline - 4}, {at - 6, baseline - 4}, {pen.colour, 2.4, pen.dashes});
-    if (series.x.size() <= markers_up_to) svg.dot({at - 17, baseline - 4}, 3, pen.colour);
-    at -= 28 + 18;
+    svg.line({at, y - 4}, {at + legend_line - 6, y - 4}, {pen.colour, 2.4, pen.dashes});
+    if (series.x.size() <= markers_up_to) svg.dot({at + (legend_line - 6) / 2, y - 4}, 3, pen.colour);
+    svg.text({at + legend_line, y}, series.name, {.size = legend_size, .colour = ink});
+    at += entry_width(series);
   }
 }
 
+void draw_legend(SvgDocument& svg, const Panel& panel, const Legend& legend, const Layout& layout,
+                 double baseline) {
+  for (const auto& row : legend.rows) {
+    double width = -legend_gap;
+    for (const std::size_t i : row) width += entry_width(panel.series[i]);
+    if (!legend.beside_title) baseline += legend_row;
+    draw_legend_row(svg, panel, row, legend.beside_title ? layout.right - width : layout.left, baseline);
+  }
+}
+
+/// Names stand right of the panel at the height of their lines, moved apart where they would touch.
 void draw_limits(SvgDocument& svg, const Panel& panel, const Scale& y, const Layout& layout) {
-  for (const Limit& limit : panel.limits) {
-    if (!y.accepts(limit.value)) continue;
+  std::vector<Limit> limits = panel.limits;
+  std::erase_if(limits, [&](const Limit& limit) { return !y.accepts(limit.value); });
+  std::ranges::sort(limits, std::greater{}, &Limit::value);
+  double last = -std::numeric_limits<double>::infinity();
+  for (const Limit& limit : limits) {
     const double at = y(limit.value);
+    if (at < y.to_px - 0.5 || at > y.from_px + 0.5) continue;
     svg.line({layout.left, at}, {layout.right, at}, {limit_colour, 1.4, "6 4"});
-    const double text_at = at - y.to_px > 18 ? at - 5 : at + 14;  // above the line if there is room
-    svg.text({layout.right - 6, text_at}, limit.name,
-             {.size = 11.5, .colour = limit_colour, .anchor = Anchor::end, .halo = true});
+    last = std::max(at + 4, last + 14);
+    svg.text({layout.right + 7, last}, limit.name, {.size = limit_size, .colour = limit_colour});
   }
 }
 
@@ -191,10 +239,12 @@ void draw_frame(SvgDocument& svg, const Scale& x, const Scale& y) {
 
 void draw_panel(SvgDocument& svg, const Chart& chart, const Panel& panel, const Layout& layout,
                 double top_px) {
-  const double area_top = top_px + panel_title_space;
+  const Legend legend = legend_of(panel, layout);
+  const double area_top = top_px + panel_title_space + legend.extra_height();
   const Scale x = x_scale(chart, layout), y = y_scale(panel, area_top);
-  svg.text({layout.left, area_top - 10}, panel.title, {.size = 13, .colour = ink, .bold = true});
-  draw_legend(svg, panel, layout, area_top - 10);
+  svg.text({layout.left, top_px + panel_title_space - 10}, panel.title,
+           {.size = 13, .colour = ink, .bold = true});
+  draw_legend(svg, panel, legend, layout, top_px + panel_title_space - 10);
   draw_y_axis(svg, panel, y, layout);
   draw_x_axis(svg, chart, x, y, &panel == &chart.panels.back());
   draw_frame(svg, x, y);
@@ -206,16 +256,23 @@ void draw_panel(SvgDocument& svg, const Chart& chart, const Panel& panel, const 
   draw_limits(svg, panel, y, layout);
 }
 
-/// The left margin fits the widest tick label.
+/// The left margin fits the widest tick label, the right one the widest limit's name.
 Layout layout_of(const Chart& chart) {
-  double widest = 0;
+  double widest = 0, limits = 12;
   for (const Panel& panel : chart.panels) {
     for (const Tick& tick : ticks(y_scale(panel, 0), wanted_y_ticks(panel))) {
       widest = std::max(widest, text_width(tick.label, tick_size));
     }
+    for (const Limit& limit : panel.limits) limits = std::max(limits, text_width(limit.name, limit_size) + 7);
   }
-  const double titles = margin + (chart.title.empty() ? 0 : 22) + (chart.subtitle.empty() ? 0 : 19);
-  return {margin + label_space + widest + 14, chart.width_px - margin - 12, titles};
+  const bool titled = !chart.title.empty() || !chart.subtitle.empty();
+  const double top =
+      margin + (chart.title.empty() ? 0 : 22) + (chart.subtitle.empty() ? 0 : 19) + (titled ? 10 : 0);
+  return {margin + label_space + widest + 14, chart.width_px - margin - limits, top};
+}
+
+double panel_height(const Panel& panel, const Layout& layout) {
+  return panel_title_space + legend_of(panel, layout).extra_height() + panel.height_px + panel_gap;
 }
 
 }  // namespace
@@ -223,14 +280,14 @@ Layout layout_of(const Chart& chart) {
 std::string to_svg(const Chart& chart) {
   const Layout layout = layout_of(chart);
   double height = layout.top + x_axis_space;
-  for (const Panel& panel : chart.panels) height += panel_title_space + panel.height_px + panel_gap;
+  for (const Panel& panel : chart.panels) height += panel_height(panel, layout);
   SvgDocument svg(chart.width_px, height);
   svg.text({margin, margin + 12}, chart.title, {.size = 17, .colour = ink, .bold = true});
-  svg.text({margin, layout.top - 5}, chart.subtitle, {.size = 12.5, .colour = quiet_ink});
+  svg.text({margin, layout.top - 15}, chart.subtitle, {.size = 12.5, .colour = quiet_ink});
   double at = layout.top;
   for (const Panel& panel : chart.panels) {
     draw_panel(svg, chart, panel, layout, at);
-    at += panel_title_space + panel.height_px + panel_gap;
+    at += panel_height(panel, layout);
   }
   return svg.finish();
 }

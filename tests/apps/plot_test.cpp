@@ -37,6 +37,8 @@ TEST(Ticks, RoundNumbers) {
   EXPECT_EQ(labels({0, 1, false, 0, 1}, 5), (std::vector<std::string>{"0", "0.2", "0.4", "0.6", "0.8", "1"}));
   EXPECT_EQ(labels({-30, 40, false, 0, 1}, 4), (std::vector<std::string>{"−20", "0", "20", "40"}));
   EXPECT_EQ(labels({0, 3e6, false, 0, 1}, 3), (std::vector<std::string>{"0", "1 M", "2 M", "3 M"}));
+  EXPECT_EQ(labels({0, 1e6, false, 0, 1}, 2), (std::vector<std::string>{"0", "0.5 M", "1 M"}));
+  EXPECT_EQ(labels({1e3, 1e6, true, 0, 1}, 4), (std::vector<std::string>{"1000", "10 k", "100 k", "1 M"}));
   EXPECT_EQ(labels({0, 4e-5, false, 0, 1}, 2), (std::vector<std::string>{"0", "2×10⁻⁵", "4×10⁻⁵"}));
   EXPECT_EQ(labels({1, 1000, true, 0, 1}, 4), (std::vector<std::string>{"1", "10", "100", "1000"}));
   EXPECT_EQ(labels({0.1, 1, true, 0, 1}, 4), (std::vector<std::string>{"0.1", "0.2", "0.5", "1"}));
