@@ -1,0 +1,60 @@
+#pragma once
+/// The bytes behind a glTF document: buffers (in the file, beside it, or as base64), views (also
+/// meshopt-compressed), accessors as numbers.
+
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "ooc/gltf_document.h"
+#include "ooc/mapped_file.h"
+
+namespace cuesta::gltf {
+
+/// Numbers of one accessor, checked to lie inside their bytes. A view into Data's memory, cheap to copy.
+struct Numbers {
+  const char* first = nullptr;
+  std::uint64_t stride = 0;
+  std::uint64_t count = 0;
+  Component component = Component::f32;
+  std::uint32_t components = 1;
+  bool normalised = false;
+
+  double real(std::uint64_t element, std::uint32_t k) const;
+  std::uint64_t index(std::uint64_t element) const;
+};
+
+class Data {
+ public:
+  /// @param binary_chunk  of a GLB; may be empty.
+  Data(const ReadJob& job, const Document& document, std::span<const char> binary_chunk)
+      : job_(job), document_(document), binary_chunk_(binary_chunk) {}
+
+  /// Loads what is behind the accessor when it is first asked for. @error corrupt, not_found, io,
+  /// out_of_budget.
+  Result<Numbers> numbers(Id accessor);
+  Result<std::span<const char>> view(Id view);
+
+ private:
+  Result<std::span<const char>> buffer(Id buffer);
+  Result<std::span<const char>> load_buffer(Id buffer);
+  Result<std::span<const char>> decode_base64(std::string_view text);
+  Result<std::span<const char>> decode_meshopt(const Meshopt& m);
+  Result<std::span<const char>> slice(Id buffer, std::uint64_t offset, std::uint64_t bytes);
+  Result<Numbers> packed(const Accessor& a, Id view, std::uint64_t offset, std::uint64_t count,
+                         Component component, std::uint32_t components, std::uint64_t stride);
+  Result<Numbers> materialised(const Accessor& a);
+  Result<std::vector<char>*> allocate(std::uint64_t count, std::uint64_t element_bytes, const char* what);
+
+  const ReadJob& job_;
+  const Document& document_;
+  std::span<const char> binary_chunk_;
+  std::map<Id, std::span<const char>> buffers_;
+  std::map<Id, std::span<const char>> meshopt_views_;
+  std::map<Id, Numbers> materialised_;
+  std::vector<MappedFile> files_;
+  std::vector<std::unique_ptr<std::vector<char>>> memory_;  ///< spans point into them: they never move
+};
+
+}  // namespace cuesta::gltf
