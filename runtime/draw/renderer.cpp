@@ -129,7 +129,9 @@ void GlRenderer::set_uniforms(const GlProgram& program, const CameraMatrices& ca
                               const DrawOptions& options) {
   const Vec3f tint = linear_from_srgb(options.surface_colour);
   const Vec3f key = vec_cast<float>(normalized(options.light_direction));
-  const Vec3f fill = normalized(Vec3f{-key.x, -key.y, key.z});
+  // From the other side and below, more from the side: straight below, sky and fill would cancel to flat
+  // shadows.
+  const Vec3f fill = normalized(Vec3f{-2 * key.x, -0.5f * key.y, 0.5f * key.z});
   program.use();
   gl_.Uniform3i(program.uniform("eye_whole"), camera.eye_whole.x, camera.eye_whole.y, camera.eye_whole.z);
   gl_.Uniform3f(program.uniform("eye_part"), camera.eye_part.x, camera.eye_part.y, camera.eye_part.z);

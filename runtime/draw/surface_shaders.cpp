@@ -92,7 +92,7 @@ uniform vec3 fill_direction;
 out vec4 pixel;
 
 const vec3 key_light = vec3(0.91, 0.86, 0.77);
-const vec3 fill_light = vec3(0.120, 0.150, 0.195);
+const vec3 fill_light = vec3(0.115, 0.145, 0.190);
 const vec3 sky_light = vec3(0.130, 0.142, 0.165);
 const vec3 ground_light = vec3(0.040, 0.034, 0.030);
 const vec3 back_face_colour = vec3(0.13, 0.21, 0.40);
