@@ -108,6 +108,11 @@ TEST(MakeScan, KeepsEulerCharacteristicAndBorders) {
   EXPECT_EQ(topology(*open).border_edges, 16 * 16);
 }
 
+TEST(MakeScan, RefusesNothingAndSoup) {
+  EXPECT_EQ(make_scan({}, {}).error().code, ErrorCode::invalid_input);
+  EXPECT_EQ(make_scan(test::random_soup(1, 20), {}).error().code, ErrorCode::invalid_input);
+}
+
 TEST(MakeScan, RoughByTheAskedShare) {
   const auto smooth = make_scan(tetrahedron(), {.triangles = 60'000, .roughness = 0});
   const auto rough = make_scan(tetrahedron(), {.triangles = 60'000});

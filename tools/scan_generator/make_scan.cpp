@@ -27,6 +27,18 @@ double bounding_diagonal(const SurfaceMesh& mesh) {
   return box.empty() ? 0 : length(box.hi - box.lo);
 }
 
+/// A triangle soup, which subdivision would tear apart.
+bool shares_no_vertex(const SurfaceMesh& mesh) {
+  std::vector<bool> used(mesh.positions.size());
+  for (const auto& t : mesh.triangles) {
+    for (const std::uint32_t v : t) {
+      if (used[v]) return false;
+      used[v] = true;
+    }
+  }
+  return true;
+}
+
 /// Collects records and hands them to the file in large blocks.
 class BlockWriter {
  public:
@@ -109,6 +121,10 @@ Result<void> write_triangles(BlockWriter& writer, const SurfaceMesh& mesh, const
 Result<SurfaceMesh> make_scan(const SurfaceMesh& input, const ScanOptions& options) {
   if (input.triangles.empty())
     return fail(ErrorCode::invalid_input, "", "", "expected a surface, found no triangles");
+  if (input.triangles.size() > 1 && shares_no_vertex(input)) {
+    return fail(ErrorCode::invalid_input, "", "",
+                "no two triangles share a vertex; weld the mesh first (STL never is)");
+  }
   SurfaceMesh mesh;
   mesh.positions = input.positions;
   mesh.triangles = input.triangles;
