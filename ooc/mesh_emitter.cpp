@@ -4,16 +4,36 @@
 
 namespace cuesta {
 
+/// Blocks start small, so that a small file costs little, and grow by four up to block_elements.
+constexpr std::size_t first_block = 1024;
+
 MeshEmitter::MeshEmitter(const ReadJob& job, AttributeSet attributes)
-    : job_(job), attributes_(attributes), positions_(block_elements), triangles_(block_elements) {
-  if (attributes.normals) normals_.resize(block_elements);
-  if (attributes.colours) colours_.resize(block_elements);
-  if (attributes.texcoords) texcoords_.resize(block_elements);
+    : job_(job), attributes_(attributes), triangles_(first_block) {
+  resize_vertices(first_block);
+}
+
+void MeshEmitter::resize_vertices(std::size_t elements) {
+  positions_.resize(elements);
+  if (attributes_.normals) normals_.resize(elements);
+  if (attributes_.colours) colours_.resize(elements);
+  if (attributes_.texcoords) texcoords_.resize(elements);
+}
+
+Result<void> MeshEmitter::full_vertices() {
+  if (vertices_held_ == block_elements) return flush_vertices();
+  resize_vertices(4 * vertices_held_);
+  return {};
+}
+
+Result<void> MeshEmitter::full_triangles() {
+  if (triangles_held_ == block_elements) return flush_triangles();
+  triangles_.resize(4 * triangles_held_);
+  return {};
 }
 
 MeshEmitter::Columns MeshEmitter::columns(std::size_t wanted) {
   const std::size_t first = vertices_held_;
-  return {std::min(wanted, block_elements - first), positions_.data() + first,
+  return {std::min(wanted, positions_.size() - first), positions_.data() + first,
           attributes_.normals ? normals_.data() + first : nullptr,
           attributes_.colours ? colours_.data() + first : nullptr,
           attributes_.texcoords ? texcoords_.data() + first : nullptr};

@@ -66,7 +66,7 @@ class MeshEmitter {
   Result<void> commit_vertices(std::size_t count) {
     vertices_held_ += count;
     report_.vertices += count;
-    return vertices_held_ == block_elements ? flush_vertices() : Result<void>{};
+    return vertices_held_ == positions_.size() ? full_vertices() : Result<void>{};
   }
 
   Result<void> triangle(std::uint64_t a, std::uint64_t b, std::uint64_t c) {
@@ -90,9 +90,12 @@ class MeshEmitter {
   Result<void> push(std::array<std::uint64_t, 3> t) {
     triangles_[triangles_held_++] = t;
     ++report_.triangles;
-    return triangles_held_ == block_elements ? flush_triangles() : Result<void>{};
+    return triangles_held_ == triangles_.size() ? full_triangles() : Result<void>{};
   }
   Result<void> charge_corners(std::uint64_t count);
+  Result<void> full_vertices();
+  Result<void> full_triangles();
+  void resize_vertices(std::size_t elements);
   Result<void> flush_vertices();
   Result<void> flush_triangles();
 

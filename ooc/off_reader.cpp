@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <functional>
+
 #include "ooc/mesh_emitter.h"
 #include "ooc/text_cursor.h"
 
@@ -70,8 +73,9 @@ class OffReader {
       attributes_.colours = take(word, "C");
       attributes_.normals = take(word, "N");
       if (!word.empty()) {
-        return job_.error(ErrorCode::unsupported_version, "line 1",
-                          fmt::format("OFF with {} (other than three dimensions) is not read", quote_word(word)));
+        return job_.error(
+            ErrorCode::unsupported_version, "line 1",
+            fmt::format("OFF with {} (other than three dimensions) is not read", quote_word(word)));
       }
     } else {
       text_ = start;  // the keyword is optional
@@ -135,12 +139,12 @@ class OffReader {
   Result<void> rest_of_vertex(Vertex& v) {
     std::array<double, 6> values{};
     std::size_t n = 0;
-    bool whole = true;
+    std::array<bool, 6> written_real{};
     while (n < values.size() && !line_is_over()) {
       const char* first = text_.at;
       auto value = real("a number");
       if (!value) return fail(std::move(value).error());
-      if (std::string_view(first, text_.at).find('.') != std::string_view::npos) whole = false;
+      written_real[n] = std::string_view(first, text_.at).find('.') != std::string_view::npos;
       values[n++] = *value;
     }
     std::size_t colour_components = n;
@@ -151,6 +155,8 @@ class OffReader {
                     static_cast<float>(values[colour_components + 1])};
     }
     if (attributes_.colours) {
+      const bool whole =
+          std::none_of(written_real.begin(), written_real.begin() + colour_components, std::identity{});
       if (colour_components < 3)
         return job_.corrupt_line(text_.at, "expected a colour of three or four numbers");
       for (std::size_t k = 0; k < std::min<std::size_t>(4, colour_components); ++k) {

@@ -39,7 +39,7 @@ class AsciiStl {
         CUESTA_TRY(corner());
       } else if (equal_word(word, "endloop")) {
         CUESTA_TRY(end_loop());
-      } else if (equal_word(word, "solid")) {
+      } else if (equal_word(word, "solid") || equal_word(word, "endsolid")) {
         text_.skip_line();  // the rest is a name: it may hold any word
       }
     }
