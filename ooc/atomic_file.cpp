@@ -62,6 +62,19 @@ Result<void> AtomicFile::write(std::span<const std::byte> bytes) {
   return {};
 }
 
+Result<void> AtomicFile::rewrite(std::uint64_t offset, std::span<const std::byte> bytes) {
+  CUESTA_CHECK(descriptor_ >= 0);
+  CUESTA_CHECK(offset + bytes.size() <= written_, offset, bytes.size(), written_);
+  while (!bytes.empty()) {
+    const ssize_t n = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return os_error(path_, "cannot write");
+    offset += static_cast<std::uint64_t>(n);
+    bytes = bytes.subspan(static_cast<std::size_t>(n));
+  }
+  return {};
+}
+
 Result<void> AtomicFile::commit() {
   CUESTA_CHECK(descriptor_ >= 0);
   if (::fsync(descriptor_) != 0) return os_error(path_, "cannot sync");

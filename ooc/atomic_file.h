@@ -19,6 +19,8 @@ class AtomicFile {
   ~AtomicFile();
 
   Result<void> write(std::span<const std::byte> bytes);
+  /// Overwrites bytes that were written before.
+  Result<void> rewrite(std::uint64_t offset, std::span<const std::byte> bytes);
   std::uint64_t bytes_written() const { return written_; }
   Result<void> commit();
 

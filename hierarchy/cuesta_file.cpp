@@ -1,0 +1,48 @@
+#include "hierarchy/cuesta_file.h"
+
+#include <string>
+
+#include "hierarchy/page_codec.h"
+#include "ooc/check.h"
+
+namespace cuesta {
+namespace {
+
+bool matches(const Page& page, const PageEntry& e, bool base) {
+  return page.round == e.round && page.base == base && page.vertex_count == e.vertices &&
+         page.triangles.size() == e.triangles && page.owned.positions.size() == e.owned_vertices;
+}
+
+}  // namespace
+
+Result<CuestaFile> CuestaFile::open(const std::filesystem::path& path) {
+  auto container = ContainerReader::open(path);
+  if (!container) return fail(container.error());
+  const auto bytes = container->read(container->directory());
+  if (!bytes) return fail(bytes.error());
+  auto directory = decode_directory(*bytes);
+  if (!directory) {
+    directory.error().file = path.string();
+    return fail(directory.error());
+  }
+  return CuestaFile(std::move(*container), std::move(*directory));
+}
+
+Result<Page> CuestaFile::read_page(PageId id) const {
+  CUESTA_CHECK(id < directory_.pages.size(), id);
+  const PageEntry& entry = directory_.pages[id];
+  const auto at_page = [&](Error error) {
+    error.file = path().string();
+    error.place = "page " + std::to_string(id) + (error.place.empty() ? "" : ", " + error.place);
+    return fail(std::move(error));
+  };
+  const auto bytes = container_.read(entry.block);
+  if (!bytes) return at_page(bytes.error());
+  auto page = decode_page(*bytes);
+  if (!page) return at_page(page.error());
+  if (!matches(*page, entry, id == directory_.base()))
+    return at_page({ErrorCode::corrupt, "", "", "the page contradicts its directory entry"});
+  return page;
+}
+
+}  // namespace cuesta

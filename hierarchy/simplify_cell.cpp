@@ -1,0 +1,185 @@
+#include "hierarchy/simplify_cell.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "hierarchy/bounding_sphere.h"
+#include "hierarchy/substitution_kernel.h"
+
+namespace cuesta {
+namespace {
+
+constexpr float never = std::numeric_limits<float>::infinity();
+
+/// The state of a run of passes over one cell.
+class FanMerger {
+ public:
+  FanMerger(CellMesh cell, const SimplifyOptions& options)
+      : kernel_(std::move(cell)),
+        options_(options),
+        cost_(kernel_.point_count(), never),
+        retry_(kernel_.point_count(), 0.0f),
+        taken_(kernel_.point_count(), 0u),
+        dirty_(kernel_.point_count(), 1) {
+    centres_.resize(kernel_.point_count());
+    for (PointId p = 0; p < centres_.size(); ++p) centres_[p] = p;
+  }
+
+  SimplifyResult run() {
+    float threshold = 0;
+    while (kernel_.live_triangles() > options_.target_triangles) {
+      refresh_costs();
+      if (centres_.empty()) break;
+      threshold = std::max(threshold, cost_quantile());
+      ++result_.passes;
+      if (pass(threshold) > 0) continue;
+      // Nothing moved: what is below the threshold is not legal. Look higher until there is nothing higher.
+      if (threshold >= highest_cost()) break;
+      threshold = std::max(threshold * 2, std::numeric_limits<float>::min());
+      std::fill(retry_.begin(), retry_.end(), 0.0f);
+    }
+    order_children();
+    result_.survivors = kernel_.survivors();
+    return std::move(result_);
+  }
+
+ private:
+  void refresh_costs() {
+    std::size_t kept = 0;
+    for (PointId v : centres_) {
+      if (kernel_.removed(v)) continue;
+      if (dirty_[v]) {
+        cost_[v] = centre_cost(v);
+        retry_[v] = 0;
+        dirty_[v] = 0;
+      }
+      centres_[kept++] = v;
+    }
+    centres_.resize(kept);
+  }
+
+  /// Cost of the cheapest neighbour that could move here.
+  float centre_cost(PointId v) {
+    float cheapest = never;
+    for (PointId u : kernel_.neighbours(v))
+      if (kernel_.can_move(u) && kernel_.may_join(u, v)) cheapest = std::min(cheapest, kernel_.cost(u, v));
+    return cheapest;
+  }
+
+  float cost_quantile() {
+    scratch_.clear();
+    for (PointId v : centres_)
+      if (cost_[v] < never) scratch_.push_back(cost_[v]);
+    if (scratch_.empty()) return 0;
+    const auto nth = scratch_.begin() + static_cast<std::ptrdiff_t>(
+                                            static_cast<double>(scratch_.size() - 1) * options_.pass_quantile);
+    std::nth_element(scratch_.begin(), nth, scratch_.end());
+    return *nth;
+  }
+
+  float highest_cost() const { return scratch_.empty() ? 0 : *std::max_element(scratch_.begin(), scratch_.end()); }
+
+  /// One pass: disjoint fans under the threshold. Returns the number of substitutions.
+  std::size_t pass(float threshold) {
+    ++pass_stamp_;
+    order_.clear();
+    for (PointId v : centres_)
+      if (cost_[v] <= threshold && retry_[v] <= threshold) order_.push_back(v);
+    std::sort(order_.begin(), order_.end(),
+              [this](PointId a, PointId b) { return cost_[a] != cost_[b] ? cost_[a] < cost_[b] : a < b; });
+    std::size_t done = 0;
+    const std::size_t first_fan = result_.script.fans.size();
+    for (PointId v : order_) {
+      if (kernel_.live_triangles() <= options_.target_triangles) break;
+      if (!free_neighbourhood(v)) continue;
+      const std::size_t merged = merge_fan(v, threshold);
+      done += merged;
+      if (merged == 0) {
+        retry_[v] = threshold * 1.5f;
+        continue;
+      }
+      for (PointId q : kernel_.neighbours(v)) {
+        taken_[q] = pass_stamp_;
+        dirty_[q] = 1;
+      }
+      taken_[v] = pass_stamp_;
+      dirty_[v] = 1;
+    }
+    // The fans of a pass do not touch each other: their order is free, and this one packs best.
+    std::sort(result_.script.fans.begin() + static_cast<std::ptrdiff_t>(first_fan), result_.script.fans.end(),
+              [](const Fan& a, const Fan& b) { return a.centre < b.centre; });
+    return done;
+  }
+
+  /// Children in the order of their fans.
+  void order_children() {
+    std::vector<Child> ordered;
+    ordered.reserve(result_.script.children.size());
+    for (Fan& fan : result_.script.fans) {
+      const auto first = result_.script.children.begin() + fan.first_child;
+      fan.first_child = static_cast<std::uint32_t>(ordered.size());
+      ordered.insert(ordered.end(), first, first + fan.child_count);
+    }
+    result_.script.children = std::move(ordered);
+  }
+
+  bool free_neighbourhood(PointId v) {
+    if (kernel_.removed(v) || taken_[v] == pass_stamp_) return false;
+    for (PointId q : kernel_.neighbours(v))
+      if (taken_[q] == pass_stamp_) return false;
+    return true;
+  }
+
+  std::size_t merge_fan(PointId v, float threshold) {
+    candidates_.clear();
+    for (PointId u : kernel_.neighbours(v))
+      if (kernel_.can_move(u) && kernel_.may_join(u, v)) {
+        const float c = kernel_.cost(u, v);
+        if (c <= threshold * options_.fan_reach) candidates_.emplace_back(c, u);
+      }
+    std::sort(candidates_.begin(), candidates_.end());
+    const std::uint32_t first = static_cast<std::uint32_t>(result_.script.children.size());
+    balls_.clear();
+    changed_.clear();
+    ErrorCode8 error = 0;
+    std::size_t merged = 0;
+    for (const auto& [c, u] : candidates_) {
+      if (!kernel_.legal(u, v)) continue;
+      const float deviation = kernel_.measure(u, v);
+      error = std::max(error, encode_error_up(std::max(deviation, kernel_.birth_error(u))));
+      kernel_.apply(u, v, error, result_.script.children, balls_, changed_);
+      ++merged;
+      if (kernel_.live_triangles() <= options_.target_triangles) break;
+    }
+    if (merged > 0) close_fan(v, first, error);
+    return merged;
+  }
+
+  void close_fan(PointId v, std::uint32_t first, ErrorCode8 error) {
+    const Vec3i centre = kernel_.grid_position(v);
+    const SphereCode code = enclose(balls_, centre);
+    result_.script.fans.push_back({kernel_.first_vertex(v), first,
+                                   static_cast<std::uint32_t>(result_.script.children.size()) - first, code});
+    kernel_.rebirth(changed_, {decode_error(error), decode_sphere(code, centre)});
+  }
+
+  SubstitutionKernel kernel_;
+  SimplifyOptions options_;
+  std::vector<float> cost_, retry_, scratch_;
+  std::vector<std::uint32_t> taken_;
+  std::uint32_t pass_stamp_ = 0;
+  std::vector<std::uint8_t> dirty_;
+  std::vector<PointId> centres_, order_;
+  std::vector<std::pair<float, PointId>> candidates_;
+  std::vector<Sphere> balls_;
+  std::vector<TriangleId> changed_;
+  SimplifyResult result_;
+};
+
+}  // namespace
+
+SimplifyResult simplify_cell(CellMesh cell, const SimplifyOptions& options) {
+  return FanMerger(std::move(cell), options).run();
+}
+
+}  // namespace cuesta

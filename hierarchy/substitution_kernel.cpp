@@ -1,0 +1,372 @@
+#include "hierarchy/substitution_kernel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "ooc/check.h"
+
+namespace cuesta {
+namespace {
+
+/// A triangle may turn by at most acos(0.2) ≈ 78° in one substitution.
+constexpr float least_cosine = 0.2f;
+/// Weight of the plane that stands on a border edge, against the area weights of the surface's own planes.
+constexpr float border_weight = 2.0f;
+/// Relative rounding of a float distance, with room: measured deviations are raised by it.
+constexpr float rounding_margin = 1 + 1e-5f;
+
+}  // namespace
+
+SubstitutionKernel::SubstitutionKernel(CellMesh cell) : births_(std::move(cell.births)) {
+  const std::size_t vertices = cell.positions.size();
+  std::vector<PointId> point_of(vertices);
+  Vec3i lo{std::numeric_limits<std::int32_t>::max(), std::numeric_limits<std::int32_t>::max(),
+           std::numeric_limits<std::int32_t>::max()};
+  for (const Vec3i& p : cell.positions) lo = min(lo, p);
+  origin_ = lo;
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    if (cell.wedge_group[v] == v) {
+      first_vertex_.push_back(v);
+      position_.push_back(vec_cast<float>(cell.positions[v] - lo));
+      flags_.push_back(cell.locked[v] ? flag_locked : std::uint8_t{0});
+    } else if (cell.locked[v]) {
+      flags_.back() |= flag_locked;
+    }
+    point_of[v] = static_cast<PointId>(position_.size() - 1);
+  }
+  corners_ = std::move(cell.triangles);
+  if (position_.size() != vertices) {
+    wedges_ = corners_;
+    for (auto& t : corners_) t = {point_of[t[0]], point_of[t[1]], point_of[t[2]]};
+    point_of_ = std::move(point_of);
+  }
+  live_triangles_ = static_cast<std::uint32_t>(corners_.size());
+  alive_.assign(corners_.size(), 1);
+  stamp_.assign(position_.size(), 0);
+  build_stars();
+  find_borders();
+  build_quadrics();
+  adopt_samples(cell.samples);
+}
+
+void SubstitutionKernel::build_stars() {
+  star_size_.assign(position_.size(), 0);
+  for (const auto& t : corners_)
+    for (PointId p : t) ++star_size_[p];
+  star_begin_.resize(position_.size());
+  std::uint32_t total = 0;
+  for (std::size_t p = 0; p < star_size_.size(); ++p) {
+    star_begin_[p] = total;
+    total += star_size_[p];
+  }
+  arena_.reserve(std::size_t{total} * 3);
+  arena_.resize(total);
+  std::vector<std::uint32_t> fill = star_begin_;
+  for (TriangleId t = 0; t < corners_.size(); ++t)
+    for (PointId p : corners_[t]) arena_[fill[p]++] = t;
+}
+
+/// A point is on a border if one of its edges has one triangle only. (Locked points look so too, and do not move.)
+void SubstitutionKernel::find_borders() {
+  for (PointId p = 0; p < point_count(); ++p) {
+    const auto ring = neighbours(p);
+    if (ring.size() != star(p).size()) flags_[p] |= flag_border;
+  }
+}
+
+void SubstitutionKernel::build_quadrics() {
+  quadric_.assign(position_.size(), {});
+  for (const auto& t : corners_) {
+    const Vec3f a = position_[t[0]], b = position_[t[1]], c = position_[t[2]];
+    const Vec3f n = cross(b - a, c - a);
+    const float twice_area = length(n);
+    if (!(twice_area > 0)) continue;
+    const Vec3f unit = n / twice_area;
+    for (int i = 0; i < 3; ++i) quadric_[t[i]].add_plane(unit, twice_area);
+    for (int i = 0; i < 3; ++i) {
+      const PointId p = t[i], q = t[(i + 1) % 3];
+      if (!border(p) || !border(q)) continue;
+      const auto ring = star(p);
+      const auto shared = std::count_if(ring.begin(), ring.end(), [&](TriangleId s) { return has_corner(s, q); });
+      if (shared != 1) continue;
+      const Vec3f e = position_[q] - position_[p];
+      const Vec3f side = normalized(cross(e, unit));
+      for (PointId end : {p, q}) quadric_[end].add_plane(side, border_weight * dot(e, e));
+    }
+  }
+}
+
+void SubstitutionKernel::adopt_samples(const TriangleSamples& samples) {
+  first_sample_.assign(corners_.size(), none);
+  if (samples.begin.empty()) return;
+  samples_.reserve(samples.points.size() + position_.size());
+  for (TriangleId t = 0; t < corners_.size(); ++t)
+    for (std::uint32_t i = samples.begin[t]; i < samples.begin[t + 1]; ++i) {
+      samples_.push_back({vec_cast<float>(samples.points[i] - origin_), first_sample_[t]});
+      first_sample_[t] = static_cast<std::uint32_t>(samples_.size() - 1);
+    }
+}
+
+std::uint32_t SubstitutionKernel::next_stamp() {
+  if (++current_stamp_ == 0) {
+    std::fill(stamp_.begin(), stamp_.end(), 0u);
+    current_stamp_ = 1;
+  }
+  return current_stamp_;
+}
+
+std::span<const PointId> SubstitutionKernel::neighbours(PointId p) {
+  const std::uint32_t seen = next_stamp();
+  stamp_[p] = seen;
+  ring_.clear();
+  for (TriangleId t : star(p))
+    for (PointId q : corners_[t])
+      if (stamp_[q] != seen) {
+        stamp_[q] = seen;
+        ring_.push_back(q);
+      }
+  return ring_;
+}
+
+float SubstitutionKernel::cost(PointId u, PointId v) const {
+  const Quadric& q = quadric_[u];
+  return q.at(position_[v] - position_[u]) / std::sqrt(q.weight);
+}
+
+bool SubstitutionKernel::link_condition(PointId u, PointId v) {
+  // Points joined to v, and of these the third corners of triangles at the edge (u, v).
+  const std::uint32_t near_v = next_stamp();
+  for (TriangleId t : star(v))
+    for (PointId q : corners_[t]) stamp_[q] = near_v;
+  const bool v_locked = (flags_[v] & flag_locked) != 0;
+  std::uint32_t at_edge = 0, modified = 0;
+  for (TriangleId t : star(u)) has_corner(t, v) ? ++at_edge : ++modified;
+  if (at_edge != (border(u) ? 1u : 2u)) return false;
+  const std::uint32_t counted = next_stamp();
+  std::uint32_t common = 0;
+  for (TriangleId t : star(u))
+    for (PointId q : corners_[t]) {
+      if (q == u || q == v || stamp_[q] == counted) continue;
+      if (stamp_[q] == near_v) ++common;
+      // A new edge between locked points might exist already in the neighbouring cell.
+      else if (v_locked && (flags_[q] & flag_locked) != 0)
+        return false;
+      stamp_[q] = counted;
+    }
+  if (common != at_edge) return false;
+  if (modified == 0) return ear_has_neighbour(u, v);
+  if (modified != 1 || border(u)) return true;
+  // u has three triangles: the one that stays must not double one of v's.
+  for (TriangleId t : star(u)) {
+    if (has_corner(t, v)) continue;
+    const auto& c = corners_[t];
+    const int i = c[0] == u ? 0 : c[1] == u ? 1 : 2;
+    const PointId a = c[(i + 1) % 3], b = c[(i + 2) % 3];
+    for (TriangleId s : star(v))
+      if (has_corner(s, a) && has_corner(s, b)) return false;
+  }
+  return true;
+}
+
+/// u is the tip of an ear, its only triangle (u, v, w): the triangle across (v, w) must be there to take its samples
+/// and its birth. Without it the ear is a whole component, or ends at the cell's border.
+bool SubstitutionKernel::ear_has_neighbour(PointId u, PointId v) const {
+  const auto& c = corners_[star(u)[0]];
+  const PointId w = c[0] + c[1] + c[2] - u - v;
+  const auto around = star(v);
+  return star_size_[u] == 1 && std::any_of(around.begin(), around.end(), [&](TriangleId t) {
+           return has_corner(t, w) && !has_corner(t, u);
+         });
+}
+
+bool SubstitutionKernel::keeps_orientation(PointId u, PointId v) const {
+  const Vec3f pu = position_[u], pv = position_[v];
+  for (TriangleId t : star(u)) {
+    const auto& c = corners_[t];
+    if (c[0] == v || c[1] == v || c[2] == v) continue;
+    const int i = c[0] == u ? 0 : c[1] == u ? 1 : 2;
+    const Vec3f a = position_[c[(i + 1) % 3]], b = position_[c[(i + 2) % 3]];
+    const Vec3f before = cross(a - pu, b - pu);
+    const Vec3f after = cross(a - pv, b - pv);
+    const float d = dot(before, after);
+    const float bound = least_cosine * least_cosine * dot(before, before) * dot(after, after);
+    if (!(d > 0) || d * d < bound || !(dot(after, after) > 0)) return false;
+  }
+  return true;
+}
+
+/// Each wedge of u goes to the wedge of v that it shares a triangle with.
+bool SubstitutionKernel::map_wedges(PointId u, PointId v) {
+  wedge_map_.clear();
+  const auto corner = [this](TriangleId t, PointId p) {
+    const auto& c = corners_[t];
+    return wedges_[t][c[0] == p ? 0 : c[1] == p ? 1 : 2];
+  };
+  const auto find = [this](std::uint32_t wedge) {
+    return std::find_if(wedge_map_.begin(), wedge_map_.end(), [&](const auto& m) { return m.first == wedge; });
+  };
+  for (TriangleId t : star(u)) {
+    if (!has_corner(t, v)) continue;
+    const std::uint32_t from = corner(t, u), to = corner(t, v);
+    const auto known = find(from);
+    if (known == wedge_map_.end())
+      wedge_map_.emplace_back(from, to);
+    else if (known->second != to)
+      return false;
+  }
+  for (TriangleId t : star(u))
+    if (find(corner(t, u)) == wedge_map_.end()) return false;
+  std::sort(wedge_map_.begin(), wedge_map_.end());
+  return true;
+}
+
+bool SubstitutionKernel::legal(PointId u, PointId v) {
+  if (!can_move(u) || removed(v) || !may_join(u, v)) return false;
+  return link_condition(u, v) && keeps_orientation(u, v) && (wedges_.empty() || map_wedges(u, v));
+}
+
+void SubstitutionKernel::collect_samples(PointId u) {
+  batch_.clear();
+  batch_ids_.clear();
+  for (TriangleId t : star(u))
+    for (std::uint32_t s = first_sample_[t]; s != none; s = samples_[s].next) {
+      batch_.add(samples_[s].position);
+      batch_ids_.push_back(s);
+    }
+  batch_.add(position_[u]);
+  batch_ids_.push_back(none);
+}
+
+/// Triangles that take the samples and are reborn: those that u → v modifies; when it modifies none (u is the tip of
+/// an ear), what is left around v, so that v cannot go before u.
+void SubstitutionKernel::choose_targets(PointId u, PointId v) {
+  targets_.clear();
+  for (TriangleId t : star(u))
+    if (!has_corner(t, v)) targets_.push_back(t);
+  ear_ = targets_.empty();
+  if (!ear_) return;
+  for (TriangleId t : star(v))
+    if (!has_corner(t, u)) targets_.push_back(t);
+}
+
+float SubstitutionKernel::measure(PointId u, PointId v) {
+  collect_samples(u);
+  choose_targets(u, v);
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    auto c = corners_[targets_[i]];
+    for (PointId& p : c)
+      if (p == u) p = v;
+    batch_.measure(position_[c[0]], position_[c[1]], position_[c[2]], static_cast<std::int32_t>(i));
+  }
+  return std::sqrt(batch_.worst_squared()) * rounding_margin;
+}
+
+float SubstitutionKernel::birth_error(PointId u) const {
+  float error = 0;
+  for (TriangleId t : star(u)) error = std::max(error, births_[t].error);
+  for (TriangleId t : targets_) error = std::max(error, births_[t].error);
+  return error;
+}
+
+void SubstitutionKernel::remove_from_star(PointId p, TriangleId t) {
+  TriangleId* const first = arena_.data() + star_begin_[p];
+  TriangleId* const last = first + star_size_[p];
+  TriangleId* const at = std::find(first, last, t);
+  std::copy(at + 1, last, at);
+  --star_size_[p];
+}
+
+/// Hands the measured samples to their nearest triangles; u becomes a sample like those it stood for.
+void SubstitutionKernel::redistribute_samples() {
+  for (std::uint32_t i = 0; i < batch_.size(); ++i) {
+    CUESTA_CHECK(batch_.nearest(i) >= 0);
+    std::uint32_t id = batch_ids_[i];
+    if (id == none) {
+      id = static_cast<std::uint32_t>(samples_.size());
+      samples_.push_back({batch_.point(i), none});
+    }
+    std::uint32_t& first = first_sample_[targets_[static_cast<std::size_t>(batch_.nearest(i))]];
+    samples_[id].next = std::exchange(first, id);
+  }
+}
+
+void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vector<Child>& children,
+                               std::vector<Sphere>& balls, std::vector<TriangleId>& changed) {
+  const Vec3f to_grid = vec_cast<float>(origin_);
+  balls.push_back({position_[u] + to_grid, 0});
+  const auto cover = [&](TriangleId t) {
+    if (births_[t].sphere.radius > 0) balls.push_back(births_[t].sphere);
+    for (PointId q : corners_[t]) balls.push_back({position_[q] + to_grid, 0});
+  };
+  for (TriangleId t : star(u)) cover(t);
+  if (ear_)
+    for (TriangleId t : targets_) cover(t);
+  if (wedges_.empty()) {
+    children.push_back({first_vertex_[u], first_vertex_[v], error, false});
+  } else {
+    for (std::size_t i = 0; i < wedge_map_.size(); ++i)
+      children.push_back({wedge_map_[i].first, wedge_map_[i].second, error, i > 0});
+  }
+  // v's new star goes to the arena's end: what it had, less what dies, and u's modified triangles.
+  const std::uint32_t begin = static_cast<std::uint32_t>(arena_.size());
+  for (std::uint32_t i = 0; i < star_size_[v]; ++i) {
+    const TriangleId t = arena_[star_begin_[v] + i];
+    if (!has_corner(t, u)) arena_.push_back(t);
+  }
+  for (std::uint32_t i = 0; i < star_size_[u]; ++i) {
+    const TriangleId t = arena_[star_begin_[u] + i];
+    auto& c = corners_[t];
+    if (has_corner(t, v)) {
+      alive_[t] = 0;
+      --live_triangles_;
+      for (PointId q : c)
+        if (q != u && q != v) remove_from_star(q, t);
+      continue;
+    }
+    arena_.push_back(t);
+    for (int k = 0; k < 3; ++k) {
+      if (c[k] != u) continue;
+      c[k] = v;
+      if (wedges_.empty()) continue;
+      for (const auto& [from, to] : wedge_map_)
+        if (wedges_[t][k] == from) {
+          wedges_[t][k] = to;
+          break;
+        }
+    }
+    first_sample_[t] = none;
+  }
+  changed.insert(changed.end(), targets_.begin(), targets_.end());
+  star_begin_[v] = begin;
+  star_size_[v] = static_cast<std::uint32_t>(arena_.size()) - begin;
+  star_size_[u] = 0;
+  flags_[u] |= flag_removed;
+  quadric_[v].add(quadric_[u], position_[u] - position_[v]);
+  redistribute_samples();
+}
+
+void SubstitutionKernel::rebirth(std::span<const TriangleId> changed, const Birth& birth) {
+  for (TriangleId t : changed) births_[t] = birth;
+}
+
+CellSurvivors SubstitutionKernel::survivors() const {
+  CellSurvivors out;
+  out.samples.begin.push_back(0);
+  for (TriangleId t = 0; t < corners_.size(); ++t) {
+    if (!alive_[t]) continue;
+    out.triangles.push_back(t);
+    if (!wedges_.empty())
+      out.corners.push_back(wedges_[t]);
+    else
+      out.corners.push_back(corners_[t]);
+    out.births.push_back(births_[t]);
+    for (std::uint32_t s = first_sample_[t]; s != none; s = samples_[s].next)
+      out.samples.points.push_back(vec_cast<std::int32_t>(samples_[s].position) + origin_);
+    out.samples.begin.push_back(static_cast<std::uint32_t>(out.samples.points.size()));
+  }
+  return out;
+}
+
+}  // namespace cuesta

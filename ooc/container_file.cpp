@@ -1,0 +1,149 @@
+#include "ooc/container_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include "ooc/byte_stream.h"
+
+namespace cuesta {
+namespace {
+
+constexpr std::array<char, 8> magic{'C', 'U', 'E', 'S', 'T', 'A', '\r', '\n'};
+constexpr std::size_t header_bytes = 64;
+
+std::uint64_t checksum(std::span<const std::byte> bytes) {
+  return XXH3_64bits(bytes.data(), bytes.size());
+}
+
+std::vector<std::byte> make_header(const BlockRef& directory, std::uint64_t file_bytes) {
+  ByteWriter w;
+  w.put(magic);
+  w.put(container_version);
+  w.put(static_cast<std::uint32_t>(header_bytes));
+  w.put(directory.offset);
+  w.put(directory.bytes);
+  w.put(directory.checksum);
+  w.put(file_bytes);
+  w.put(std::uint64_t{0});
+  w.put(checksum(w.bytes()));
+  return w.take();
+}
+
+std::string at_byte(std::uint64_t offset) {
+  return "byte " + std::to_string(offset);
+}
+
+}  // namespace
+
+Result<ContainerWriter> ContainerWriter::create(const std::filesystem::path& path) {
+  auto file = AtomicFile::create(path);
+  if (!file) return fail(file.error());
+  const std::array<std::byte, header_bytes> blank{};
+  if (auto r = file->write(blank); !r) return fail(r.error());
+  return ContainerWriter(std::move(*file));
+}
+
+Result<void> ContainerWriter::pad() {
+  const std::array<std::byte, container_alignment> zeros{};
+  const std::uint64_t over = file_.bytes_written() % container_alignment;
+  return over == 0 ? Result<void>{} : file_.write(std::span(zeros).first(container_alignment - over));
+}
+
+Result<BlockRef> ContainerWriter::append(std::span<const std::byte> block) {
+  if (auto r = pad(); !r) return fail(r.error());
+  const BlockRef ref{file_.bytes_written(), block.size(), checksum(block)};
+  if (auto r = file_.write(block); !r) return fail(r.error());
+  return ref;
+}
+
+Result<void> ContainerWriter::finish(std::span<const std::byte> directory) {
+  const auto ref = append(directory);
+  if (!ref) return fail(ref.error());
+  const auto header = make_header(*ref, file_.bytes_written());
+  if (auto r = file_.rewrite(0, header); !r) return r;
+  return file_.commit();
+}
+
+Result<ContainerReader> ContainerReader::open(const std::filesystem::path& path) {
+  ContainerReader reader;
+  reader.path_ = path;
+  reader.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  struct stat status {};
+  if (reader.descriptor_ < 0 || ::fstat(reader.descriptor_, &status) != 0)
+    return fail(errno == ENOENT ? ErrorCode::not_found : ErrorCode::io, path.string(), "", std::strerror(errno));
+  if (!S_ISREG(status.st_mode)) return fail(ErrorCode::invalid_input, path.string(), "", "not a regular file");
+  reader.file_bytes_ = static_cast<std::uint64_t>(status.st_size);
+  std::array<std::byte, header_bytes> bytes{};
+  const ssize_t got = ::pread(reader.descriptor_, bytes.data(), bytes.size(), 0);
+  if (got < 0) return fail(ErrorCode::io, path.string(), at_byte(0), std::strerror(errno));
+  if (static_cast<std::size_t>(got) < magic.size() || std::memcmp(bytes.data(), magic.data(), magic.size()) != 0)
+    return fail(ErrorCode::corrupt, path.string(), at_byte(0), "not a .cuesta file: it does not begin with CUESTA");
+  if (static_cast<std::size_t>(got) < header_bytes)
+    return fail(ErrorCode::corrupt, path.string(), at_byte(static_cast<std::uint64_t>(got)), "the header is cut off");
+  ByteReader r(std::span<const std::byte>(bytes).subspan(magic.size()));
+  const auto version = r.get<std::uint32_t>();
+  if (version != container_version)
+    return fail(ErrorCode::unsupported_version, path.string(), at_byte(8),
+                "format version " + std::to_string(version) + ", this program reads version " +
+                    std::to_string(container_version));
+  r.get<std::uint32_t>();
+  reader.directory_.offset = r.get<std::uint64_t>();
+  reader.directory_.bytes = r.get<std::uint64_t>();
+  reader.directory_.checksum = r.get<std::uint64_t>();
+  const auto announced = r.get<std::uint64_t>();
+  r.get<std::uint64_t>();
+  if (r.get<std::uint64_t>() != checksum(std::span<const std::byte>(bytes).first(56)))
+    return fail(ErrorCode::corrupt, path.string(), at_byte(0), "the header's checksum does not match");
+  if (announced != reader.file_bytes_)
+    return fail(ErrorCode::corrupt, path.string(), at_byte(40),
+                "expected " + std::to_string(announced) + " bytes, found " + std::to_string(reader.file_bytes_) +
+                    ": the file was cut off or appended to");
+  return reader;
+}
+
+ContainerReader::ContainerReader(ContainerReader&& other) noexcept
+    : path_(std::move(other.path_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      directory_(other.directory_),
+      file_bytes_(other.file_bytes_) {}
+
+ContainerReader& ContainerReader::operator=(ContainerReader&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(directory_, other.directory_);
+  std::swap(file_bytes_, other.file_bytes_);
+  return *this;
+}
+
+ContainerReader::~ContainerReader() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+Result<std::vector<std::byte>> ContainerReader::read(const BlockRef& block) const {
+  if (block.offset > file_bytes_ || block.bytes > file_bytes_ - block.offset)
+    return fail(ErrorCode::corrupt, path_.string(), at_byte(block.offset), "a block lies beyond the end of the file");
+  std::vector<std::byte> bytes(block.bytes);
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t n = ::pread(descriptor_, bytes.data() + done, bytes.size() - done,
+                              static_cast<off_t>(block.offset + done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return fail(ErrorCode::io, path_.string(), at_byte(block.offset + done), std::strerror(errno));
+    if (n == 0)
+      return fail(ErrorCode::corrupt, path_.string(), at_byte(block.offset + done), "the file was cut off while open");
+    done += static_cast<std::size_t>(n);
+  }
+  if (checksum(bytes) != block.checksum)
+    return fail(ErrorCode::corrupt, path_.string(), at_byte(block.offset),
+                "a block of " + std::to_string(block.bytes) + " bytes does not match its checksum");
+  return bytes;
+}
+
+}  // namespace cuesta
