@@ -1,0 +1,3 @@
+#include "tests/fuzz/fuzz_reader.h"
+
+FUZZ_READER(read_draco)
