@@ -1,0 +1,1 @@
+#include "hierarchy/page.h"
