@@ -11,6 +11,9 @@ namespace {
 
 constexpr float never = std::numeric_limits<float>::infinity();
 
+/// Below this many triangles fans take no more than the threshold allows.
+constexpr std::uint32_t coarse_triangles = 2048;
+
 /// The state of a run of passes over one cell.
 class FanMerger {
  public:
@@ -130,12 +133,15 @@ class FanMerger {
     return true;
   }
 
+  /// Near the end a fan is large against the surface: one neighbour too many shows.
+  float reach() const { return kernel_.live_triangles() < coarse_triangles ? 1.0f : options_.fan_reach; }
+
   std::size_t merge_fan(PointId v, float threshold) {
     candidates_.clear();
     for (PointId u : kernel_.neighbours(v))
       if (kernel_.can_move(u) && kernel_.may_join(u, v)) {
         const float c = kernel_.cost(u, v);
-        if (c <= threshold * options_.fan_reach) candidates_.emplace_back(c, u);
+        if (c <= threshold * reach()) candidates_.emplace_back(c, u);
       }
     std::sort(candidates_.begin(), candidates_.end());
     const std::uint32_t first = static_cast<std::uint32_t>(result_.script.children.size());

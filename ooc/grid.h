@@ -12,7 +12,10 @@ struct Grid {
   double step = 1;  ///< > 0, the same on the three axes
 
   Vec3d world(Vec3i g) const { return origin + vec_cast<double>(g) * step; }
-  /// Nearest grid point; ties go up. The position error is at most step·√3/2.
+  /// Largest distance between a point and where it is snapped to: half the cube's diagonal. World units.
+  /// A guaranteed error against the input is a file's error plus this.
+  double snap_error() const { return step * 0.8660254037844387; }
+  /// Nearest grid point; ties go up.
   Vec3i snap(Vec3d w) const {
     const Vec3d g = (w - origin) / step;
     return {static_cast<std::int32_t>(std::floor(g.x + 0.5)), static_cast<std::int32_t>(std::floor(g.y + 0.5)),

@@ -207,8 +207,8 @@ AdaptReport Cut::adapt(const ErrorScale& scale, double tau, const Budgets& budge
   // Pages that came in may ask for triangles too.
   const Band band = report.pages_loaded > 0 ? affordable_band(scale, tau, budgets.triangles) : wanted;
   plan(scale, band);
-  make_room(budgets.triangles);
   const bool coarsened = coarsen(budgets, start, report);
+  if (coarsened) make_room(budgets.triangles);  // above what coarsen() did: not before it is complete
   if (!coarsened) report.bound_by = Binding::adapt_time;
   const bool refined = coarsened && refine(budgets, start, report);
   report.tau = band.apply_up_to;
