@@ -31,6 +31,7 @@ class DracoFile {
       CUESTA_TRY(emit_vertices(first, n));
       first += n;
     }
+    CUESTA_TRY(out_.flush_vertices());
     out_.set_vertex_count(mesh_.vertices());
     for (std::uint32_t i = 0; i < mesh_.triangles(); ++i) {
       const auto [a, b, c] = mesh_.triangle(i);

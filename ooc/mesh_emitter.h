@@ -84,6 +84,8 @@ class MeshEmitter {
   /// A face with any number of corners, in order, after expect_corners() of as many.
   Result<void> face(std::span<const std::uint64_t> corners);
 
+  /// Sends the vertices held so far: readers that have all vertices before the first face call it in between.
+  Result<void> flush_vertices();
   Result<ReadReport> finish();
 
  private:
@@ -96,7 +98,6 @@ class MeshEmitter {
   Result<void> full_vertices();
   Result<void> full_triangles();
   void resize_vertices(std::size_t elements);
-  Result<void> flush_vertices();
   Result<void> flush_triangles();
 
   const ReadJob& job_;

@@ -26,6 +26,7 @@ class OffReader {
     if (job_.expect) CUESTA_TRY(job_.expect(vertex_count_, face_count_));
     positions_.reserve(vertex_count_);
     for (std::uint64_t i = 0; i < vertex_count_; ++i) CUESTA_TRY(vertex(out));
+    CUESTA_TRY(out.flush_vertices());
     out.set_positions([this](std::uint64_t i) { return positions_[i]; });
     for (std::uint64_t i = 0; i < face_count_; ++i) CUESTA_TRY(face(out));
     auto report = out.finish();

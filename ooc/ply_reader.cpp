@@ -110,6 +110,7 @@ class PlyReader {
     if (job_.expect) CUESTA_TRY(job_.expect(vertices_.count, expected_faces()));
     out_.set_vertex_count(vertices_.count);
     CUESTA_TRY(read_vertices(source));
+    CUESTA_TRY(out_.flush_vertices());
     const Source past_vertices = source;
     source = first;
     for (std::size_t i = 0; i < header_.elements.size(); ++i) {
