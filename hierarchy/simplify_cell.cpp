@@ -4,12 +4,18 @@
 #include <limits>
 
 #include "hierarchy/bounding_sphere.h"
+#include "hierarchy/component_absorber.h"
 #include "hierarchy/substitution_kernel.h"
 
 namespace cuesta {
 namespace {
 
 constexpr float never = std::numeric_limits<float>::infinity();
+
+/// Components of this many points are taken whole as soon as the error allows it, and larger ones when nothing else
+/// is left.
+constexpr std::uint32_t small_component = 6;
+constexpr std::uint32_t stuck_component = 64;
 
 /// Below this many triangles fans take no more than the threshold allows.
 constexpr std::uint32_t coarse_triangles = 2048;
@@ -19,6 +25,7 @@ class FanMerger {
  public:
   FanMerger(CellMesh cell, const SimplifyOptions& options)
       : kernel_(std::move(cell)),
+        absorber_(kernel_),
         options_(options),
         cost_(kernel_.point_count(), never),
         retry_(kernel_.point_count(), 0.0f),
@@ -35,9 +42,13 @@ class FanMerger {
       if (centres_.empty()) break;
       threshold = std::max(threshold, cost_quantile());
       ++result_.passes;
-      if (pass(threshold) > 0) continue;
+      const std::size_t moved = pass(threshold);
+      if (moved + absorb_components(small_component, largest_error_) > 0) continue;
       // Nothing moved: what is below the threshold is not legal. Look higher until there is nothing higher.
-      if (threshold >= highest_cost()) break;
+      if (threshold >= highest_cost()) {
+        if (absorb_components(stuck_component, never) > 0) continue;
+        break;
+      }
       threshold = std::max(threshold * 2, std::numeric_limits<float>::min());
       std::fill(retry_.begin(), retry_.end(), 0.0f);
     }
@@ -152,7 +163,7 @@ class FanMerger {
     for (const auto& [c, u] : candidates_) {
       if (!kernel_.legal(u, v)) continue;
       const float deviation = kernel_.measure(u, v);
-      error = std::max(error, encode_error_up(std::max(deviation, kernel_.birth_error(u))));
+      error = std::max(error, encode_error_up(std::max(deviation, kernel_.birth_error())));
       kernel_.apply(u, v, error, result_.script.children, balls_, changed_);
       ++merged;
       if (kernel_.live_triangles() <= options_.target_triangles) break;
@@ -161,7 +172,28 @@ class FanMerger {
     return merged;
   }
 
+  /// Takes components within `reach` whole; each is a fan of its own. Returns how many.
+  std::size_t absorb_components(std::uint32_t most_points, float reach) {
+    std::erase_if(centres_, [this](PointId p) { return kernel_.removed(p); });
+    std::size_t taken = 0;
+    for (const auto& candidate : absorber_.candidates(centres_, most_points, reach)) {
+      if (kernel_.live_triangles() <= options_.target_triangles) break;
+      if (!absorber_.valid(candidate)) continue;
+      const auto members = absorber_.members(candidate);
+      const float deviation = kernel_.measure_absorption(members, candidate.target);
+      const ErrorCode8 error = encode_error_up(std::max(deviation, kernel_.birth_error()));
+      const auto first = static_cast<std::uint32_t>(result_.script.children.size());
+      balls_.clear();
+      changed_.clear();
+      kernel_.absorb(members, candidate.target, error, result_.script.children, balls_, changed_);
+      close_fan(candidate.target, first, error);
+      ++taken;
+    }
+    return taken;
+  }
+
   void close_fan(PointId v, std::uint32_t first, ErrorCode8 error) {
+    largest_error_ = std::max(largest_error_, decode_error(error));
     const Vec3i centre = kernel_.grid_position(v);
     const SphereCode code = enclose(balls_, centre);
     result_.script.fans.push_back({kernel_.first_vertex(v), first,
@@ -170,7 +202,9 @@ class FanMerger {
   }
 
   SubstitutionKernel kernel_;
+  ComponentAbsorber absorber_;
   SimplifyOptions options_;
+  float largest_error_ = 0;
   std::vector<float> cost_, retry_, scratch_;
   std::vector<std::uint32_t> taken_;
   std::uint32_t pass_stamp_ = 0;

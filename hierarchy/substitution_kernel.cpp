@@ -70,10 +70,7 @@ void SubstitutionKernel::build_stars() {
 
 /// A point is on a border if one of its edges has one triangle only. (Locked points look so too, and do not move.)
 void SubstitutionKernel::find_borders() {
-  for (PointId p = 0; p < point_count(); ++p) {
-    const auto ring = neighbours(p);
-    if (ring.size() != star(p).size()) flags_[p] |= flag_border;
-  }
+  for (PointId p = 0; p < point_count(); ++p) update_border(p);
 }
 
 void SubstitutionKernel::build_quadrics() {
@@ -88,9 +85,7 @@ void SubstitutionKernel::build_quadrics() {
     for (int i = 0; i < 3; ++i) {
       const PointId p = t[i], q = t[(i + 1) % 3];
       if (!border(p) || !border(q)) continue;
-      const auto ring = star(p);
-      const auto shared = std::count_if(ring.begin(), ring.end(), [&](TriangleId s) { return has_corner(s, q); });
-      if (shared != 1) continue;
+      if (edge_triangles(p, q) != 1) continue;
       const Vec3f e = position_[q] - position_[p];
       const Vec3f side = normalized(cross(e, unit));
       for (PointId end : {p, q}) quadric_[end].add_plane(side, border_weight * dot(e, e));
@@ -155,6 +150,8 @@ bool SubstitutionKernel::link_condition(PointId u, PointId v) {
         return false;
       stamp_[q] = counted;
     }
+  closed_hole_ = 0;
+  if (common == at_edge + 1 && border(u)) return closes_hole(u, v);
   if (common != at_edge) return false;
   if (modified == 0) return ear_has_neighbour(u, v);
   if (modified != 1 || border(u)) return true;
@@ -168,6 +165,32 @@ bool SubstitutionKernel::link_condition(PointId u, PointId v) {
       if (has_corner(s, a) && has_corner(s, b)) return false;
   }
   return true;
+}
+
+/// u → v may close a border loop of three edges (u, v, w). What appears there lies up to the loop's edge length from the
+/// surface, however near the samples are: that length is the least error of the substitution.
+bool SubstitutionKernel::closes_hole(PointId u, PointId v) {
+  for (PointId w : neighbours(u)) {
+    if (w == v || edge_triangles(u, w) != 1 || edge_triangles(v, w) != 1) continue;
+    // Between two locked points the edge may be the cell's border only.
+    if ((flags_[v] & flag_locked) != 0 && (flags_[w] & flag_locked) != 0) return false;
+    const Vec3f a = position_[u] - position_[v], b = position_[u] - position_[w];
+    closed_hole_ = std::sqrt(std::max(dot(a, a), dot(b, b)));
+    hole_corner_ = w;
+    return true;
+  }
+  return false;
+}
+
+std::uint32_t SubstitutionKernel::edge_triangles(PointId p, PointId q) const {
+  const auto ring = star(p);
+  return static_cast<std::uint32_t>(
+      std::count_if(ring.begin(), ring.end(), [&](TriangleId t) { return has_corner(t, q); }));
+}
+
+void SubstitutionKernel::update_border(PointId p) {
+  flags_[p] &= static_cast<std::uint8_t>(~flag_border);
+  if (neighbours(p).size() != star(p).size()) flags_[p] |= flag_border;
 }
 
 /// u is the tip of an ear, its only triangle (u, v, w): the triangle across (v, w) must be there to take its samples
@@ -227,16 +250,19 @@ bool SubstitutionKernel::legal(PointId u, PointId v) {
   return link_condition(u, v) && keeps_orientation(u, v) && (wedges_.empty() || map_wedges(u, v));
 }
 
-void SubstitutionKernel::collect_samples(PointId u) {
+/// Samples of the patch and the points that leave, into the batch.
+void SubstitutionKernel::collect_samples() {
   batch_.clear();
   batch_ids_.clear();
-  for (TriangleId t : star(u))
+  for (TriangleId t : patch_)
     for (std::uint32_t s = first_sample_[t]; s != none; s = samples_[s].next) {
       batch_.add(samples_[s].position);
       batch_ids_.push_back(s);
     }
-  batch_.add(position_[u]);
-  batch_ids_.push_back(none);
+  for (PointId p : leaving_) {
+    batch_.add(position_[p]);
+    batch_ids_.push_back(none);
+  }
 }
 
 /// Triangles that take the samples and are reborn: those that u → v modifies; when it modifies none (u is the tip of
@@ -245,29 +271,57 @@ void SubstitutionKernel::choose_targets(PointId u, PointId v) {
   targets_.clear();
   for (TriangleId t : star(u))
     if (!has_corner(t, v)) targets_.push_back(t);
-  ear_ = targets_.empty();
-  if (!ear_) return;
+  if (!targets_.empty()) return;
   for (TriangleId t : star(v))
     if (!has_corner(t, u)) targets_.push_back(t);
 }
 
-float SubstitutionKernel::measure(PointId u, PointId v) {
-  collect_samples(u);
-  choose_targets(u, v);
+/// Distances of the batch to the targets with u replaced by v.
+void SubstitutionKernel::measure_targets(PointId u, PointId v) {
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     auto c = corners_[targets_[i]];
     for (PointId& p : c)
       if (p == u) p = v;
     batch_.measure(position_[c[0]], position_[c[1]], position_[c[2]], static_cast<std::int32_t>(i));
   }
+}
+
+float SubstitutionKernel::measure(PointId u, PointId v) {
+  patch_.assign(star(u).begin(), star(u).end());
+  leaving_.assign(1, u);
+  collect_samples();
+  choose_targets(u, v);
+  measure_targets(u, v);
+  return std::max(std::sqrt(batch_.worst_squared()) * rounding_margin, closed_hole_);
+}
+
+float SubstitutionKernel::measure_absorption(std::span<const PointId> members, PointId v) {
+  patch_.clear();
+  leaving_.assign(members.begin(), members.end());
+  for (PointId p : members)
+    for (TriangleId t : star(p))
+      if (corners_[t][0] == p) patch_.push_back(t);  // each triangle once
+  collect_samples();
+  targets_.assign(star(v).begin(), star(v).end());
+  measure_targets(none, none);
   return std::sqrt(batch_.worst_squared()) * rounding_margin;
 }
 
-float SubstitutionKernel::birth_error(PointId u) const {
+float SubstitutionKernel::birth_error() const {
   float error = 0;
-  for (TriangleId t : star(u)) error = std::max(error, births_[t].error);
+  for (TriangleId t : patch_) error = std::max(error, births_[t].error);
   for (TriangleId t : targets_) error = std::max(error, births_[t].error);
   return error;
+}
+
+/// Points of the patch and its targets, and the balls they were born with.
+void SubstitutionKernel::cover_patch(std::vector<Sphere>& balls) const {
+  const Vec3f to_grid = vec_cast<float>(origin_);
+  for (const auto* triangles : {&patch_, &targets_})
+    for (TriangleId t : *triangles) {
+      if (births_[t].sphere.radius > 0) balls.push_back(births_[t].sphere);
+      for (PointId q : corners_[t]) balls.push_back({position_[q] + to_grid, 0});
+    }
 }
 
 void SubstitutionKernel::remove_from_star(PointId p, TriangleId t) {
@@ -294,15 +348,7 @@ void SubstitutionKernel::redistribute_samples() {
 
 void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vector<Child>& children,
                                std::vector<Sphere>& balls, std::vector<TriangleId>& changed) {
-  const Vec3f to_grid = vec_cast<float>(origin_);
-  balls.push_back({position_[u] + to_grid, 0});
-  const auto cover = [&](TriangleId t) {
-    if (births_[t].sphere.radius > 0) balls.push_back(births_[t].sphere);
-    for (PointId q : corners_[t]) balls.push_back({position_[q] + to_grid, 0});
-  };
-  for (TriangleId t : star(u)) cover(t);
-  if (ear_)
-    for (TriangleId t : targets_) cover(t);
+  cover_patch(balls);
   if (wedges_.empty()) {
     children.push_back({first_vertex_[u], first_vertex_[v], error, false});
   } else {
@@ -344,6 +390,34 @@ void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vect
   star_size_[u] = 0;
   flags_[u] |= flag_removed;
   quadric_[v].add(quadric_[u], position_[u] - position_[v]);
+  redistribute_samples();
+  if (closed_hole_ > 0) {
+    update_border(v);
+    update_border(hole_corner_);
+  }
+}
+
+void SubstitutionKernel::absorb(std::span<const PointId> members, PointId v, ErrorCode8 error,
+                                std::vector<Child>& children, std::vector<Sphere>& balls,
+                                std::vector<TriangleId>& changed) {
+  cover_patch(balls);
+  std::vector<std::uint32_t> vertices;
+  for (TriangleId t : patch_)
+    for (std::uint32_t vertex : wedges_.empty() ? corners_[t] : wedges_[t])
+      vertices.push_back(wedges_.empty() ? first_vertex_[vertex] : vertex);
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    children.push_back({vertices[i], first_vertex_[v], error, i > 0});
+  for (TriangleId t : patch_) {
+    alive_[t] = 0;
+    --live_triangles_;
+  }
+  for (PointId p : members) {
+    star_size_[p] = 0;
+    flags_[p] |= flag_removed;
+  }
+  changed.insert(changed.end(), targets_.begin(), targets_.end());
   redistribute_samples();
 }
 

@@ -43,15 +43,23 @@ class SubstitutionKernel {
   bool legal(PointId u, PointId v);
   /// Measures u → v, which must be legal: the largest distance of the samples it moves, grid units, rounded up.
   float measure(PointId u, PointId v);
-  /// Largest birth error of the triangles that the substitution of u measured last depends on.
-  float birth_error(PointId u) const;
+  /// Largest birth error of the triangles that what was measured last depends on.
+  float birth_error() const;
   /// Applies u → v as measured last; appends the wedge substitutions with this error to `children`, the balls it
   /// depends on and covers to `balls`, and the triangles it changed to `changed`.
   void apply(PointId u, PointId v, ErrorCode8 error, std::vector<Child>& children, std::vector<Sphere>& balls,
              std::vector<TriangleId>& changed);
+  /// The largest distance of the samples of a whole component, `members` being all its points, to the triangles
+  /// around v, a point of another component. @pre no member is locked, v has triangles.
+  float measure_absorption(std::span<const PointId> members, PointId v);
+  /// Removes the component as measured last: all its vertices go to v together. Arguments as apply().
+  void absorb(std::span<const PointId> members, PointId v, ErrorCode8 error, std::vector<Child>& children,
+              std::vector<Sphere>& balls, std::vector<TriangleId>& changed);
+
   /// The fan that changed these triangles is complete: they are reborn with its error and sphere.
   void rebirth(std::span<const TriangleId> changed, const Birth& birth);
 
+  std::span<const Vec3f> positions() const { return position_; }  ///< per point, about the cell's own origin
   Vec3i grid_position(PointId p) const { return vec_cast<std::int32_t>(vec_cast<double>(position_[p])) + origin_; }
   std::uint32_t first_vertex(PointId p) const { return first_vertex_[p]; }
   CellSurvivors survivors() const;
@@ -73,10 +81,15 @@ class SubstitutionKernel {
   void build_quadrics();
   void adopt_samples(const TriangleSamples& samples);
   bool link_condition(PointId u, PointId v);
+  bool closes_hole(PointId u, PointId v);
+  std::uint32_t edge_triangles(PointId p, PointId q) const;
+  void update_border(PointId p);
   bool ear_has_neighbour(PointId u, PointId v) const;
   bool keeps_orientation(PointId u, PointId v) const;
   bool map_wedges(PointId u, PointId v);
-  void collect_samples(PointId u);
+  void collect_samples();
+  void measure_targets(PointId u, PointId v);
+  void cover_patch(std::vector<Sphere>& balls) const;
   void choose_targets(PointId u, PointId v);
   void redistribute_samples();
   void remove_from_star(PointId p, TriangleId t);
@@ -105,8 +118,11 @@ class SubstitutionKernel {
   std::vector<PointId> ring_;
   DeviationBatch batch_;
   std::vector<std::uint32_t> batch_ids_;
-  std::vector<TriangleId> targets_;
+  std::vector<TriangleId> patch_, targets_;  // triangles that go or change; those that take their samples
+  std::vector<PointId> leaving_;
   bool ear_ = false;
+  float closed_hole_ = 0;  // > 0: the substitution closes a hole with edges up to this length
+  PointId hole_corner_ = none;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> wedge_map_;
 };
 

@@ -104,7 +104,7 @@ class PageReplay {
     state.removed = static_cast<std::uint16_t>(removed);
     out_.entries_.insert(out_.entries_.end(), modified_.begin(), modified_.end());
     out_.children_.push_back(state);
-    return removed + modified_.size() > 0;
+    return true;
   }
 
   void append_joined(std::uint32_t v, std::uint32_t corner) {

@@ -1,0 +1,78 @@
+#include "hierarchy/component_absorber.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace cuesta {
+
+ComponentAbsorber::ComponentAbsorber(SubstitutionKernel& kernel) : kernel_(kernel) {
+  component_.assign(kernel.point_count(), none);
+  std::vector<PointId> stack;
+  for (PointId p = 0; p < kernel.point_count(); ++p) {
+    if (component_[p] != none || kernel.star(p).empty()) continue;
+    const auto id = static_cast<std::uint32_t>(locked_.size());
+    locked_.push_back(0);
+    component_[p] = id;
+    stack.push_back(p);
+    while (!stack.empty()) {
+      const PointId q = stack.back();
+      stack.pop_back();
+      if (!kernel.can_move(q)) locked_[id] = 1;
+      for (PointId r : kernel.neighbours(q))
+        if (component_[r] == none) {
+          component_[r] = id;
+          stack.push_back(r);
+        }
+    }
+  }
+  known_.assign(locked_.size(), 0);
+}
+
+/// Counting sort of the live points by component.
+void ComponentAbsorber::count(std::span<const PointId> live) {
+  first_.assign(locked_.size() + 1, 0);
+  for (PointId p : live)
+    if (component_[p] != none) ++first_[component_[p] + 1];
+  for (std::size_t c = 0; c < locked_.size(); ++c) first_[c + 1] += first_[c];
+  members_.resize(first_.back());
+  std::vector<std::uint32_t> fill(first_.begin(), first_.end() - 1);
+  for (PointId p : live)
+    if (component_[p] != none) members_[fill[component_[p]]++] = p;
+}
+
+std::span<const PointId> ComponentAbsorber::members(const Candidate& candidate) const {
+  const std::uint32_t c = candidate.component;
+  return std::span(members_).subspan(first_[c], first_[c + 1] - first_[c]);
+}
+
+PointId ComponentAbsorber::nearest_target(std::uint32_t component, std::span<const PointId> live) {
+  // Points that have gone stay in the index; build it anew when they are many.
+  if (!index_ || index_->size() > 4 * live.size()) index_ = std::make_unique<NearestPoints>(kernel_.positions(), live);
+  return index_->nearest(kernel_.positions()[members_[first_[component]]], [&](std::uint32_t p) {
+    return component_[p] != component && !kernel_.star(p).empty();
+  });
+}
+
+const std::vector<ComponentAbsorber::Candidate>& ComponentAbsorber::candidates(std::span<const PointId> live,
+                                                                               std::uint32_t most_points,
+                                                                               float reach) {
+  candidates_.clear();
+  if (locked_.size() < 2) return candidates_;
+  count(live);
+  for (std::uint32_t c = 0; c < locked_.size(); ++c) {
+    const std::uint32_t points = first_[c + 1] - first_[c];
+    if (locked_[c] || points == 0 || points > most_points || known_[c] > reach) continue;
+    const PointId target = nearest_target(c, live);
+    if (target == none) continue;
+    Candidate candidate{0, c, target};
+    candidate.distance = kernel_.measure_absorption(members(candidate), target);
+    known_[c] = candidate.distance;
+    if (candidate.distance <= reach) candidates_.push_back(candidate);
+  }
+  std::sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
+    return std::tie(a.distance, a.component) < std::tie(b.distance, b.component);
+  });
+  return candidates_;
+}
+
+}  // namespace cuesta
