@@ -133,6 +133,20 @@ void append_survivors(RoundSurface& next, CellOutput& out, PageId page) {
   out.survivors = {};
 }
 
+/// Cells keep positions as floats about their own corner: exact up to this extent.
+constexpr std::int64_t largest_extent = 1 << 24;
+/// Rounds that may pass without losing a tenth of the triangles.
+constexpr std::uint32_t patience = 2;
+
+std::string extent_problem(const GridMesh& mesh) {
+  Box3<std::int32_t> box;
+  for (const Vec3i& p : mesh.positions) box.add(p);
+  const Vec3<std::int64_t> e = vec_cast<std::int64_t>(box.hi) - vec_cast<std::int64_t>(box.lo);
+  if (std::max({e.x, e.y, e.z}) < largest_extent) return "";
+  return "the surface is " + std::to_string(std::max({e.x, e.y, e.z})) +
+         " grid steps wide, at most 2^24 are possible; give a larger --step";
+}
+
 class HierarchyBuilder {
  public:
   HierarchyBuilder(const GridMesh& mesh, const BuildOptions& options, const BuildProgress& progress,
@@ -144,11 +158,19 @@ class HierarchyBuilder {
   Result<BuildReport> run() {
     RoundSurface surface;
     surface.triangles = mesh_.triangles;
+    std::uint32_t rounds_without_progress = 0;
     for (bool base = false; !base;) {
-      base = surface.triangles.size() <= options_.cell_triangles || stuck_;
+      // A surface that no longer gets smaller (thousands of knots, say) becomes a large base page.
+      base = surface.triangles.size() <= options_.cell_triangles ||
+             (rounds_without_progress >= patience && surface.triangles.size() <= max_page_elements / 4);
+      if (rounds_without_progress > 2 * patience)
+        return fail(ErrorCode::invalid_input, "", "round " + std::to_string(surface.round),
+                    std::to_string(surface.triangles.size()) + " triangles cannot be simplified any further: " +
+                        "more than fit a base page");
       auto next = run_round(surface, base);
       if (!next) return fail(next.error());
-      stuck_ = next->triangles.size() > surface.triangles.size() * 9 / 10;
+      const bool progress = next->triangles.size() <= surface.triangles.size() / 10 * 9;
+      rounds_without_progress = progress ? 0 : rounds_without_progress + 1;
       surface = std::move(*next);
       ++report_.rounds;
     }
@@ -234,7 +256,6 @@ class HierarchyBuilder {
   Directory directory_;
   BuildReport report_;
   std::uint64_t done_ = 0, total_ = 0;
-  bool stuck_ = false;
 };
 
 }  // namespace
@@ -243,6 +264,8 @@ Result<BuildReport> build_hierarchy(const GridMesh& mesh, const std::filesystem:
                                     const BuildOptions& options, const BuildProgress& progress) {
   CUESTA_CHECK(!mesh.triangles.empty());
   CUESTA_CHECK(options.round_reduction > 1, options.round_reduction);
+  if (auto problem = extent_problem(mesh); !problem.empty())
+    return fail(ErrorCode::invalid_input, path.string(), "", std::move(problem));
   auto writer = ContainerWriter::create(path);
   if (!writer) return fail(writer.error());
   return HierarchyBuilder(mesh, options, progress, std::move(*writer)).run();

@@ -154,17 +154,21 @@ bool SubstitutionKernel::link_condition(PointId u, PointId v) {
   if (common == at_edge + 1 && border(u)) return closes_hole(u, v);
   if (common != at_edge) return false;
   if (modified == 0) return ear_has_neighbour(u, v);
-  if (modified != 1 || border(u)) return true;
-  // u has three triangles: the one that stays must not double one of v's.
+  // Only with three triangles around u can the one that stays double one of v's.
+  return modified != 1 || border(u) || !doubles_triangle(u, v);
+}
+
+/// Would a triangle that u → v modifies have the corners of one that v has already?
+bool SubstitutionKernel::doubles_triangle(PointId u, PointId v) const {
   for (TriangleId t : star(u)) {
     if (has_corner(t, v)) continue;
     const auto& c = corners_[t];
     const int i = c[0] == u ? 0 : c[1] == u ? 1 : 2;
     const PointId a = c[(i + 1) % 3], b = c[(i + 2) % 3];
     for (TriangleId s : star(v))
-      if (has_corner(s, a) && has_corner(s, b)) return false;
+      if (has_corner(s, a) && has_corner(s, b)) return true;
   }
-  return true;
+  return false;
 }
 
 /// u → v may close a border loop of three edges (u, v, w). What appears there lies up to the loop's edge length from the
@@ -177,7 +181,7 @@ bool SubstitutionKernel::closes_hole(PointId u, PointId v) {
     const Vec3f a = position_[u] - position_[v], b = position_[u] - position_[w];
     closed_hole_ = std::sqrt(std::max(dot(a, a), dot(b, b)));
     hole_corner_ = w;
-    return true;
+    return !doubles_triangle(u, v);
   }
   return false;
 }

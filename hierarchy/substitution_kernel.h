@@ -81,6 +81,7 @@ class SubstitutionKernel {
   void build_quadrics();
   void adopt_samples(const TriangleSamples& samples);
   bool link_condition(PointId u, PointId v);
+  bool doubles_triangle(PointId u, PointId v) const;
   bool closes_hole(PointId u, PointId v);
   std::uint32_t edge_triangles(PointId p, PointId q) const;
   void update_border(PointId p);

@@ -8,8 +8,13 @@
 namespace cuesta {
 namespace {
 
-/// 0 when every edge of the sample has length 0.
-double median_edge(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
+/// Lengths of edges, 0 when every edge of the sample has length 0.
+struct EdgeLengths {
+  double median = 0;
+  double short_one = 0;  ///< 99 % are longer
+};
+
+EdgeLengths edge_lengths(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
   const std::size_t stride = triangles.size() / kEdgeSampleTriangles + 1;
   std::vector<double> lengths;
   for (std::size_t i = 0; i < triangles.size(); i += stride)
@@ -18,14 +23,18 @@ double median_edge(std::span<const Vec3d> positions, std::span<const Triangle> t
       const double l = length(positions[triangles[i][c]] - positions[triangles[i][(c + 1) % 3]]);
       if (l > 0) lengths.push_back(l);
     }
-  if (lengths.empty()) return 0;
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  return *middle;
+  if (lengths.empty()) return {};
+  const auto quantile = [&lengths](std::size_t per_cent) {
+    const auto at = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() * per_cent / 100);
+    std::nth_element(lengths.begin(), at, lengths.end());
+    return *at;
+  };
+  return {quantile(50), quantile(1)};
 }
 
-double default_step(double extent, double edge) {
-  const double step = std::max(edge / kStepsPerMedianEdge, extent / kMaxDefaultSteps);
+double default_step(double extent, EdgeLengths edges) {
+  const double fine = std::min(edges.median / kStepsPerMedianEdge, edges.short_one / kStepsPerShortEdge);
+  const double step = std::max(fine, extent / kMaxDefaultSteps);
   return step > 0 ? std::max(step, std::numeric_limits<double>::min()) : 1;
 }
 
@@ -52,7 +61,7 @@ Result<Grid> choose_grid(std::span<const Vec3d> positions, std::span<const Trian
     for (const std::uint32_t v : t) box.add(positions[v]);
   if (box.empty()) return Grid{};
   const double extent = largest(box.hi - box.lo);
-  if (step == 0) step = default_step(extent, median_edge(positions, triangles));
+  if (step == 0) step = default_step(extent, edge_lengths(positions, triangles));
   const Grid grid{{round_down(box.lo.x, step), round_down(box.lo.y, step), round_down(box.lo.z, step)}, step};
   if (!(largest((box.hi - grid.origin) / step) + 1 < kMaxGridCoordinate))
     return fail(ErrorCode::invalid_input, "", "",

@@ -41,7 +41,7 @@ struct CleanReport {
 };
 
 struct CleanOptions {
-  /// Grid step in world units; 0 chooses 1/128 of the median edge, and at least 2^-21 of the largest extent.
+  /// Grid step in world units; 0 chooses 1/128 of the median edge, less if some edges are short, and at least 2^-21 of the largest extent.
   double step = 0;
   /// Compute smooth (area-weighted) vertex normals when the mesh has none.
   bool make_normals = true;

@@ -63,7 +63,7 @@ TEST(CleanMesh, TetrahedronIsUnchanged) {
   EXPECT_EQ(euler(mesh), 2);
   EXPECT_EQ(edges(mesh).border, 0u);
   EXPECT_EQ(report.vertices_welded + report.vertices_split + report.vertices_unused, 0u);
-  // Morton order with x lowest is the order of the input here, with steps of median edge / 64.
+  // Morton order with x lowest is the order of the input here, with steps of median edge / 128.
   for (std::size_t v = 0; v < 4; ++v)
     EXPECT_LE(length(mesh.grid.world(mesh.positions[v]) - tetrahedron().positions[v]),
               mesh.grid.step * 0.8661);
@@ -72,7 +72,7 @@ TEST(CleanMesh, TetrahedronIsUnchanged) {
 
 TEST(CleanMesh, DefaultStepIsASixtyFourthOfTheMedianEdge) {
   EXPECT_DOUBLE_EQ(clean(cube()).mesh.grid.step,
-                   1.0 / 64);  // 24 sides and 12 diagonals, as triangles see them
+                   1.0 / 128);  // 24 sides and 12 diagonals, as triangles see them
 }
 
 TEST(CleanMesh, DefaultStepIsAtLeastExtentOver2To21) {
