@@ -1,0 +1,109 @@
+#include "apps/cuesta/build_summary.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "apps/cuesta/machine.h"
+#include "apps/cuesta/text_forms.h"
+
+namespace cuesta::app {
+namespace {
+
+using Count = std::pair<const char*, std::uint64_t>;
+
+/// Stable names of the JSON and words of the screen, in one table each.
+std::vector<Count> read_counts(const ReadReport& r) {
+  return {{"vertices", r.vertices},
+          {"triangles", r.triangles},
+          {"polygons_triangulated", r.polygons_triangulated},
+          {"faces_out_of_range", r.faces_out_of_range},
+          {"faces_too_small", r.faces_too_small}};
+}
+
+std::vector<Count> clean_counts(const CleanReport& c) {
+  return {{"nonfinite_vertices", c.nonfinite_vertices},
+          {"faces_nonfinite", c.faces_nonfinite},
+          {"vertices_welded", c.vertices_welded},
+          {"faces_degenerate", c.faces_degenerate},
+          {"faces_duplicate", c.faces_duplicate},
+          {"edges_nonmanifold", c.edges_nonmanifold},
+          {"vertices_split", c.vertices_split},
+          {"vertices_unused", c.vertices_unused},
+          {"wedge_groups", c.wedge_groups}};
+}
+
+std::vector<Count> told_counts(const ReadReport& r, const CleanReport& c) {
+  return {{"polygons triangulated", r.polygons_triangulated},
+          {"faces dropped: index out of range", r.faces_out_of_range},
+          {"faces dropped: fewer than three corners", r.faces_too_small},
+          {"vertices dropped: not finite", c.nonfinite_vertices},
+          {"faces dropped: not finite", c.faces_nonfinite},
+          {"vertices welded", c.vertices_welded},
+          {"faces dropped: degenerate", c.faces_degenerate},
+          {"faces dropped: duplicate", c.faces_duplicate},
+          {"non-manifold edges cut", c.edges_nonmanifold},
+          {"vertices copied to separate sheets", c.vertices_split},
+          {"vertices dropped: unused", c.vertices_unused},
+          {"positions on attribute seams", c.wedge_groups}};
+}
+
+nlohmann::ordered_json as_json(const std::vector<Count>& counts) {
+  nlohmann::ordered_json object = nlohmann::ordered_json::object();
+  for (const auto& [name, count] : counts) object[name] = count;
+  return object;
+}
+
+std::string attributes(const BuildFacts& f) {
+  std::string text;
+  const auto add = [&](bool there, const char* word) {
+    if (there) text += (text.empty() ? "" : ", ") + std::string(word);
+  };
+  add(f.has_normals, "normals");
+  add(f.has_colours, "colours");
+  add(f.has_texcoords, "texture coordinates");
+  return text.empty() ? "none" : text;
+}
+
+std::string row(std::string_view name, std::string_view value) {
+  return fmt::format("  {:<12}{}\n", name, value);
+}
+
+}  // namespace
+
+std::string build_metadata(const BuildFacts& facts, const BuildSettings& settings) {
+  nlohmann::ordered_json json;
+  json["program"] = "cuesta " + version_number();
+  json["input"] = {{"name", facts.input_name}, {"bytes", facts.input_bytes}};
+  json["read"] = as_json(read_counts(facts.read));
+  json["clean"] = as_json(clean_counts(facts.clean));
+  json["options"] = {{"cell_triangles", settings.cell_triangles},
+                     {"make_normals", settings.make_normals},
+                     {"step", settings.step}};
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+std::string build_summary(const BuildFacts& f, const BuildSettings& settings) {
+  const double triangles = static_cast<double>(std::max<std::uint64_t>(1, f.triangles));
+  std::string text = settings.output.string() + "\n";
+  text += row("input",
+              fmt::format("{}: {} triangles, {} vertices, {}", f.input_name, with_commas(f.read.triangles),
+                          with_commas(f.read.vertices), byte_count(f.input_bytes)));
+  for (const auto& [words, count] : told_counts(f.read, f.clean))
+    if (count > 0) text += row("", fmt::format("{} {}", with_commas(count), words));
+  text += row("surface", fmt::format("{} triangles, {} vertices; attributes: {}", with_commas(f.triangles),
+                                     with_commas(f.vertices), attributes(f)));
+  text += row("hierarchy", fmt::format("{} rounds, {} pages, {} fans, {} substitutions", f.built.rounds,
+                                       with_commas(f.built.pages), with_commas(f.built.fans),
+                                       with_commas(f.built.substitutions)));
+  text += row("file", fmt::format("{}, {:.2f} bytes per triangle", byte_count(f.built.file_bytes),
+                                  static_cast<double>(f.built.file_bytes) / triangles));
+  text += row("time",
+              fmt::format("{}, {} triangles/s", duration(f.seconds),
+                          with_commas(static_cast<std::uint64_t>(triangles / std::max(1e-6, f.seconds)))));
+  return text + row("peak memory", byte_count(peak_resident_bytes()));
+}
+
+}  // namespace cuesta::app

@@ -1,0 +1,31 @@
+#pragma once
+/// What a build tells: the JSON kept in the file, and the summary on the screen.
+
+#include <cstdint>
+#include <string>
+
+#include "apps/cuesta/build_command.h"
+#include "hierarchy/build_hierarchy.h"
+#include "ooc/grid_mesh.h"
+#include "ooc/mesh_reader.h"
+
+namespace cuesta::app {
+
+struct BuildFacts {
+  std::string input_name;  ///< without its directory
+  std::uint64_t input_bytes = 0;
+  ReadReport read;
+  CleanReport clean;
+  BuildReport built;
+  std::uint64_t triangles = 0, vertices = 0;  ///< of the clean surface
+  double seconds = 0;
+  bool has_normals = false, has_colours = false, has_texcoords = false;
+};
+
+/// JSON object for the file: the same for any threads and memory (I6), so no times and no paths in it.
+std::string build_metadata(const BuildFacts& facts, const BuildSettings& settings);
+
+/// Lines for the screen; counts that are zero are left out.
+std::string build_summary(const BuildFacts& facts, const BuildSettings& settings);
+
+}  // namespace cuesta::app

@@ -1,0 +1,338 @@
+#include "apps/cuesta/command_line.h"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+#include <numbers>
+
+#include "apps/cuesta/build_command.h"
+#include "apps/cuesta/export_command.h"
+#include "apps/cuesta/flight_command.h"
+#include "apps/cuesta/info_command.h"
+#include "apps/cuesta/machine.h"
+#include "apps/cuesta/measure_command.h"
+#include "apps/cuesta/render_command.h"
+#include "apps/cuesta/text_forms.h"
+
+namespace cuesta::app {
+namespace {
+
+constexpr int wrong_usage = 1;
+constexpr const char* exit_statuses =
+    "Exit status: 0 done, 1 wrong usage, 2 not found, 3 corrupt, 4 unsupported, 5 invalid input,\n"
+    "6 input/output error, 7 out of budget, 8 cancelled.";
+
+/// What the command that was named does, once everything is parsed.
+using Run = std::function<Result<void>()>;
+
+/// Holds for all commands.
+struct Common {
+  std::uint32_t threads = 0;
+  Run run;
+};
+
+/// A named command; `settings` live as long as its options.
+template <class Settings>
+struct Command {
+  CLI::App* app;
+  std::shared_ptr<Settings> settings = std::make_shared<Settings>();
+
+  Command(CLI::App& program, const char* name, const char* what, const char* more)
+      : app(program.add_subcommand(name, what)) {
+    app->footer(more);
+    app->get_formatter()->column_width(34);
+  }
+  void runs(Common& common, Result<void> (*command)(const Settings&)) {
+    app->callback([&common, command, s = settings] { common.run = [command, s] { return command(*s); }; });
+  }
+};
+
+/// An option whose words `parse` understands: it returns false for what it does not.
+CLI::Option* add_parsed(CLI::App* app, const char* name, const char* words, const char* what,
+                        std::function<bool(const std::string&)> parse) {
+  return app
+      ->add_option(
+          name, [parse = std::move(parse)](const CLI::results_t& given) { return parse(given.front()); },
+          what)
+      ->type_name(words)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+template <class T>
+std::function<bool(const std::string&)> store(std::optional<T> (*parse)(std::string_view), T& where) {
+  return [parse, &where](const std::string& text) {
+    const auto value = parse(text);
+    if (value) where = *value;
+    return value.has_value();
+  };
+}
+
+CLI::Option* add_path(CLI::App* app, const char* name, std::filesystem::path& where, const char* what) {
+  return app->add_option(name, where, what)->type_name("FILE");
+}
+
+void add_threads(CLI::App* app, Common& common) {
+  app->add_option("--threads", common.threads, "threads to use; 1 runs everything inline; default: all")
+      ->type_name("N")
+      ->check(CLI::Range(1u, 4096u));
+}
+
+void add_quiet(CLI::App* app, bool& quiet) {
+  app->add_flag("--quiet", quiet, "no progress lines");
+}
+
+void add_camera_frame(CLI::App* app, View& view) {
+  add_parsed(
+      app, "--size", "WxH", "picture size in pixels; default 1280x720",
+      [&view](const std::string& text) { return parse_picture_size(text, view.width_px, view.height_px); });
+  add_parsed(app, "--fov", "DEGREES", "full vertical angle; default 60", [&view](const std::string& text) {
+    double degrees = 0;
+    if (!CLI::detail::lexical_cast(text, degrees) || !(degrees > 0 && degrees < 179)) return false;
+    view.fov_y_rad = degrees * std::numbers::pi / 180;
+    return true;
+  });
+  add_parsed(app, "--up", "AXIS", "which way is up: x, y, z or =-x, =-y, =-z; default y",
+             store(parse_axis, view.up));
+}
+
+CLI::Option* add_camera(CLI::App* app, std::optional<CameraText>& camera) {
+  return add_parsed(app, "--camera", "TEXT",
+                    "\"eye x,y,z target x,y,z\" and perhaps \"up x,y,z\", in world units",
+                    [&camera](const std::string& text) { return (camera = parse_camera(text)).has_value(); });
+}
+
+void add_build(CLI::App& program, Common& common) {
+  Command<BuildSettings> c(
+      program, "build", "Builds a .cuesta file from a mesh file.",
+      "Reads PLY, OBJ, STL, OFF, glTF, GLB or Draco; drops what is no surface (degenerate,\n"
+      "duplicate and non-finite faces), cuts non-manifold edges, snaps vertices to a grid, and\n"
+      "writes all levels of detail into one file. What was dropped is counted and told.\n\n"
+      "Example:\n  cuesta build bunny.ply -o bunny.cuesta --memory 4G");
+  BuildSettings& s = *c.settings;
+  add_path(c.app, "INPUT", s.input, "mesh file; its format is taken from its content")->required();
+  add_path(c.app, "-o,--output", s.output,
+           "file to write; default: INPUT's name with .cuesta, in this folder");
+  add_parsed(c.app, "--memory", "SIZE", "memory to use, such as 512M or 8G; default: 3/4 of the machine's",
+             store(parse_bytes, s.memory_bytes));
+  c.app->add_option("--step", s.step, "grid step in the mesh's units; default: 1/64 of the median edge")
+      ->type_name("S")
+      ->check(CLI::PositiveNumber);
+  c.app->add_option("--cell", s.cell_triangles, "triangles of a page before it is simplified; default 32768")
+      ->type_name("N")
+      ->check(CLI::Range(64u, 1u << 20));
+  c.app->add_flag("!--no-normals", s.make_normals, "do not compute normals where the input has none");
+  add_threads(c.app, common);
+  add_quiet(c.app, s.quiet);
+  c.runs(common, run_build);
+}
+
+void add_info(CLI::App& program, Common& common) {
+  Command<InfoSettings> c(
+      program, "info", "Tells what is in a .cuesta file.",
+      "Bounds, counts, grid, attributes, and for each round its pages and the range of its\n"
+      "errors in world units. Reads the directory only, not the pages.\n\n"
+      "Example:\n  cuesta info bunny.cuesta --json");
+  InfoSettings& s = *c.settings;
+  add_path(c.app, "FILE", s.file, "a .cuesta file")->required();
+  c.app->add_flag("--json", s.json, "as JSON with stable keys");
+  c.app->add_flag("--pages", s.pages, "also one line (one object) for each page");
+  c.runs(common, run_info);
+}
+
+void add_render_budgets(CLI::App* app, RenderSettings& s) {
+  app->add_option("--tau", s.tau_px, "screen-space error to aim at, in pixels; default 1")
+      ->type_name("PX")
+      ->check(CLI::NonNegativeNumber);
+  app->add_option("--triangles", s.budgets.triangles, "never more triangles than this; default: no limit")
+      ->type_name("N");
+  app->add_option("--adapt-ms", s.budgets.adapt_ms, "time for changing the cut in a frame; default: no limit")
+      ->type_name("MS")
+      ->check(CLI::NonNegativeNumber);
+  app->add_option("--page-loads", s.budgets.page_loads, "pages read in a frame; default: no limit")
+      ->type_name("N");
+  add_parsed(app, "--cache", "SIZE", "memory for resident pages; default 1G",
+             store(parse_bytes, s.cache_bytes));
+  app->add_option("--outside", s.outside_factor,
+                  "how much coarser what is outside the picture may be; default 4")
+      ->type_name("F")
+      ->check(CLI::Range(1.0, 1e6));
+}
+
+void add_render_look(CLI::App* app, RenderSettings& s) {
+  const std::map<std::string, Shading> shadings{
+      {"lit", Shading::lit}, {"wireframe", Shading::wireframe}, {"normals", Shading::normals}};
+  app->add_option("--shading", s.draw.shading, "lit, wireframe or normals; default lit")
+      ->type_name("HOW")
+      ->transform(CLI::Transformer(shadings).description(""))
+      ->check(CLI::IsMember(shadings).description(""));
+  add_parsed(app, "--background", "COLOUR", "#rrggbb, white, black, grey or transparent; default white",
+             store(parse_colour, s.draw.background));
+  add_parsed(app, "--colour", "COLOUR", "of the surface, times its vertices' colours; default warm grey",
+             store(parse_colour, s.draw.surface_colour));
+}
+
+void add_render(CLI::App& program, Common& common) {
+  Command<RenderSettings> c(
+      program, "render", "Renders pictures of a .cuesta file.",
+      "Without a camera: the whole model, seen from the front, a little from the right and above.\n"
+      "A flight writes frame-00000.png …, frames.csv (statistics of each frame) and frames.svg (their\n"
+      "plot) into the output folder. Its first frame is settled; then each frame adapts once, within\n"
+      "the budgets, and what is left undone goes on in the next.\n\n"
+      "Examples:\n  cuesta render bunny.cuesta -o bunny.png\n"
+      "  cuesta render bunny.cuesta --camera \"eye 0,0.1,0.3 target 0,0.1,0\" --tau 0.5 --size 1920x1080\n"
+      "  cuesta render bunny.cuesta --flight flight.json --adapt-ms 4 --triangles 50000 -o frames");
+  RenderSettings& s = *c.settings;
+  add_path(c.app, "FILE", s.file, "a .cuesta file")->required();
+  add_path(c.app, "-o,--output", s.output, "PNG, or a folder for a flight; default: named after FILE");
+  auto* camera = add_camera(c.app, s.camera);
+  auto* orbit = c.app->add_option("--orbit", s.orbit_frames, "once around the model in N frames")
+                    ->type_name("N")
+                    ->check(CLI::Range(2u, 100000u));
+  auto* flight = add_path(c.app, "--flight", s.flight, "frames of a flight file (see cuesta flight)");
+  camera->excludes(orbit)->excludes(flight);
+  orbit->excludes(flight);
+  add_camera_frame(c.app, s.view);
+  add_render_budgets(c.app, s);
+  add_render_look(c.app, s);
+  c.app->add_flag("--settle", s.settle, "settle each frame of a flight: only the triangle budget then binds");
+  c.app->add_flag("--stats-only", s.stats_only, "draw nothing: frames.csv and frames.svg only");
+  add_quiet(c.app, s.quiet);
+  c.runs(common, run_render);
+}
+
+void add_flight(CLI::App& program, Common& common) {
+  Command<FlightSettings> c(
+      program, "flight", "Writes a flight file around a model, for render --flight.",
+      "The file is JSON: {\"fps\": 30, \"keyframes\": [{\"t\": 0, \"eye\": [x,y,z],\n"
+      "\"target\": [x,y,z], \"up\": [x,y,z], \"fov_deg\": 60}, …]}; t in seconds. Eye and target\n"
+      "move on Catmull–Rom splines through the keyframes.\n\n"
+      "Example:\n  cuesta flight bunny.cuesta --kind zoom-in --frames 120 -o zoom.json");
+  FlightSettings& s = *c.settings;
+  const std::map<std::string, FlightKind> kinds{
+      {"orbit", FlightKind::orbit}, {"zoom-in", FlightKind::zoom_in}, {"fly-over", FlightKind::fly_over}};
+  add_path(c.app, "FILE", s.file, "a .cuesta file")->required();
+  add_path(c.app, "-o,--output", s.output, "flight file to write")->required();
+  c.app->add_option("--kind", s.kind, "orbit, zoom-in or fly-over; default orbit")
+      ->type_name("KIND")
+      ->transform(CLI::Transformer(kinds).description(""))
+      ->check(CLI::IsMember(kinds).description(""));
+  c.app->add_option("--frames", s.frames, "number of frames; default 300")
+      ->type_name("N")
+      ->check(CLI::Range(2u, 1000000u));
+  c.app->add_option("--fps", s.fps, "frames per second; default 30")
+      ->type_name("F")
+      ->check(CLI::Range(1.0, 1000.0));
+  add_camera_frame(c.app, s.view);
+  c.runs(common, run_flight);
+}
+
+void add_export(CLI::App& program, Common& common) {
+  Command<ExportSettings> c(
+      program, "export", "Writes a level of detail of a .cuesta file as a mesh file.",
+      "Uniform: by error, by triangle count, or in full. Of a view: with --camera and --tau. Tells the\n"
+      "triangles and the guaranteed error: no vertex of the input is farther from the mesh written.\n"
+      "Texture coordinates are not exported yet.\n\n"
+      "Examples:\n  cuesta export bunny.cuesta -o small.ply --triangles 5000\n"
+      "  cuesta export bunny.cuesta -o near.glb --camera \"eye 0,0.1,0.3 target 0,0.1,0\" --tau 1");
+  ExportSettings& s = *c.settings;
+  add_path(c.app, "FILE", s.file, "a .cuesta file")->required();
+  add_path(c.app, "-o,--output", s.output, "mesh to write: .ply, .obj or .glb")->required();
+  auto* error =
+      add_parsed(c.app, "--error", "E", "largest deviation, in world units", [&s](const std::string& text) {
+        double value = 0;
+        if (!CLI::detail::lexical_cast(text, value) || !(value >= 0)) return false;
+        s.error = value;
+        return true;
+      });
+  auto* triangles = add_parsed(c.app, "--triangles", "N", "the best mesh of at most N triangles",
+                               [&s](const std::string& text) {
+                                 std::uint64_t value = 0;
+                                 if (!CLI::detail::lexical_cast(text, value) || value == 0) return false;
+                                 s.triangles = value;
+                                 return true;
+                               });
+  auto* full = c.app->add_flag("--full", s.full, "everything, at full resolution");
+  auto* camera = add_camera(c.app, s.camera);
+  error->excludes(camera)->excludes(full);
+  full->excludes(camera)->excludes(triangles);
+  c.app->add_option("--tau", s.tau_px, "with --camera: screen-space error in pixels; default 1")
+      ->type_name("PX")
+      ->check(CLI::NonNegativeNumber)
+      ->needs(camera);
+  c.app
+      ->add_option("--outside", s.outside_factor,
+                   "with --camera: how much coarser outside the picture; default 1")
+      ->type_name("F")
+      ->check(CLI::Range(1.0, 1e6))
+      ->needs(camera);
+  add_camera_frame(c.app, s.view);
+  add_parsed(c.app, "--cache", "SIZE", "memory for resident pages; default: half of the machine's",
+             store(parse_bytes, s.cache_bytes));
+  add_quiet(c.app, s.quiet);
+  c.runs(common, run_export);
+  c.app->parse_complete_callback([error, triangles, full, camera] {
+    if (error->empty() && triangles->empty() && full->empty() && camera->empty())
+      throw CLI::RequiredError("One of --error, --triangles, --full and --camera");
+  });
+}
+
+void add_measure(CLI::App& program, Common& common) {
+  Command<MeasureSettings> c(
+      program, "measure", "Measures how far two surfaces are apart.",
+      "Samples each surface evenly over its area and takes distances to the other (Cignoni,\n"
+      "Rocchini, Scopigno: Metro, 1998). Maxima also look at every vertex. A is the original:\n"
+      "per cent are of its bounding box's diagonal.\n\n"
+      "Example:\n  cuesta measure bunny.ply small.ply --samples 500000");
+  MeasureSettings& s = *c.settings;
+  add_path(c.app, "A", s.a, "the original: a mesh file")->required();
+  add_path(c.app, "B", s.b, "the other mesh file")->required();
+  c.app->add_option("--samples", s.samples, "samples in each direction; default 1000000")
+      ->type_name("N")
+      ->check(CLI::Range(1ull, 1ull << 34));
+  add_parsed(c.app, "--memory", "SIZE", "memory for reading each mesh; default: 3/4 of the machine's",
+             store(parse_bytes, s.memory_bytes));
+  c.app->add_flag("--json", s.json, "as JSON with stable keys");
+  add_threads(c.app, common);
+  add_quiet(c.app, s.quiet);
+  c.runs(common, run_measure);
+}
+
+/// The words of CLI11 on the right stream, and our exit status for them.
+int end_of_parse(const CLI::App& program, const CLI::ParseError& e) {
+  return program.exit(e) == 0 ? 0 : wrong_usage;
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  CLI::App program("Cuesta: gigantic triangle meshes in one file that can be flown through.", "cuesta");
+  Common common;
+  program.require_subcommand(1);
+  program.set_version_flag("--version", version_text());
+  program.footer(std::string("cuesta COMMAND --help tells about a command, with an example.\n") +
+                 exit_statuses);
+  add_build(program, common);
+  add_info(program, common);
+  add_render(program, common);
+  add_flight(program, common);
+  add_export(program, common);
+  add_measure(program, common);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return end_of_parse(program, e);
+  }
+  std::unique_ptr<tbb::global_control> limit;
+  if (common.threads > 0)
+    limit =
+        std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, common.threads);
+  const auto done = common.run();
+  if (done) return 0;
+  fmt::print(stderr, "cuesta: {}\n", done.error().text());
+  return exit_status(done.error().code);
+}
+
+}  // namespace cuesta::app

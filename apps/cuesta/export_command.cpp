@@ -1,0 +1,79 @@
+#include "apps/cuesta/export_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "apps/cuesta/open_cut.h"
+#include "ooc/mesh_writer.h"
+#include "runtime/extract.h"
+
+namespace cuesta::app {
+namespace {
+
+View camera_view(const ExportSettings& s) {
+  View view = s.view;
+  view.eye = s.camera->eye;
+  view.target = s.camera->target;
+  view.up = s.camera->up.value_or(view.up);
+  return view;
+}
+
+ErrorScale export_scale(const ExportSettings& s, const Grid& grid) {
+  return s.camera ? ErrorScale::perspective(grid, camera_view(s), s.outside_factor)
+                  : ErrorScale::uniform(grid);
+}
+
+/// The threshold for substitutions. An error asked for includes what snapping to the grid took.
+double export_tau(const ExportSettings& s, const Directory& d) {
+  if (s.full) return -1;
+  if (s.camera) return s.tau_px;
+  return s.error ? std::max(0.0, *s.error - snapping_error(d)) : 0;
+}
+
+Result<void> check_complete(const ExportSettings& s, const AdaptReport& report) {
+  if (report.bound_by != Binding::resident_bytes) return {};
+  return fail(
+      ErrorCode::out_of_budget, s.file.string(), "",
+      fmt::format(
+          "this cut does not fit the page cache ({} resident); give more with --cache or ask for fewer "
+          "triangles",
+          byte_count(report.resident_bytes)));
+}
+
+void tell(const ExportSettings& s, const Directory& d, const SurfaceMesh& mesh, const AdaptReport& report) {
+  fmt::print("{}: {} triangles, {} vertices\n", s.output.string(), with_commas(mesh.triangles.size()),
+             with_commas(mesh.positions.size()));
+  if (s.camera) {
+    fmt::print("guaranteed error: {:.6g} pixels at {}x{}, and {:.6g} units of snapping\n", report.achieved,
+               s.view.width_px, s.view.height_px, snapping_error(d));
+  } else {
+    const Box3d box = world_box(d);
+    const double bound = report.achieved + snapping_error(d);
+    fmt::print("guaranteed error: {:.6g} units ({:.4g} % of the diagonal), {:.6g} of it snapping\n", bound,
+               100 * bound / std::max(length(box.hi - box.lo), 1e-300), snapping_error(d));
+  }
+}
+
+}  // namespace
+
+Result<void> run_export(const ExportSettings& s) {
+  Progress progress(s.quiet);
+  auto cut = open_cut(s.file, s.cache_bytes);
+  if (!cut) return fail(cut.error());
+  const Directory& d = (*cut)->directory();
+  Budgets budgets;
+  if (s.triangles) budgets.triangles = *s.triangles;
+  const auto report = settle_cut(**cut, export_scale(s, d.grid), export_tau(s, d), budgets, progress);
+  if (!report) return fail(report.error());
+  if (auto r = check_complete(s, *report); !r) return r;
+  progress.update("write", Unit::none, 0, 0);
+  auto mesh = extract_mesh((*cut)->draw_list(), {d.has_normals, d.has_colours});
+  if (!mesh) return fail(mesh.error());
+  if (auto r = write_mesh(s.output, *mesh); !r) return r;
+  progress.finish();
+  tell(s, d, *mesh, *report);
+  return {};
+}
+
+}  // namespace cuesta::app

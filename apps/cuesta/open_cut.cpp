@@ -1,0 +1,69 @@
+#include "apps/cuesta/open_cut.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/cuesta/machine.h"
+#include "apps/cuesta/stop_signal.h"
+
+namespace cuesta::app {
+namespace {
+
+constexpr std::uint32_t pages_per_call = 32;  // so that the progress line moves, and a stop is noticed
+constexpr int most_calls = 100000;            // more than any file needs; a cut that does not settle ends too
+
+}  // namespace
+
+Result<std::unique_ptr<Cut>> open_cut(const std::filesystem::path& path, std::uint64_t cache_bytes) {
+  auto file = CuestaFile::open(path);
+  if (!file) return fail(file.error());
+  return Cut::open(std::move(*file), cache_bytes > 0 ? cache_bytes : physical_memory_bytes() / 2, clock_ms);
+}
+
+Result<AdaptReport> settle_cut(Cut& cut, const ErrorScale& scale, double tau, Budgets budgets,
+                               Progress& progress) {
+  budgets.page_loads = std::min(budgets.page_loads, pages_per_call);
+  AdaptReport sum;
+  for (int call = 0; call < most_calls && !sum.settled; ++call) {
+    if (!progress.update("adapt", Unit::pages, cut.cache().resident_ids().size(), 0)) break;
+    AdaptReport last = cut.adapt(scale, tau, budgets);
+    last.coarse_operations += sum.coarse_operations;
+    last.fine_operations += sum.fine_operations;
+    last.pages_loaded += sum.pages_loaded;
+    last.adapt_ms += sum.adapt_ms;
+    last.load_ms += sum.load_ms;
+    sum = last;
+  }
+  if (auto r = check_stop(); !r) return fail(r.error());
+  if (const auto errors = cut.cache().errors(); !errors.empty()) return fail(errors.front());
+  return sum;
+}
+
+Box3d world_box(const Directory& d) {
+  Box3d box;
+  box.add(d.grid.world(d.lo));
+  box.add(d.grid.world(d.hi));
+  return box;
+}
+
+double snapping_error(const Directory& d) {
+  return d.grid.step * std::sqrt(3.0) / 2;
+}
+
+const char* name(Binding binding) {
+  switch (binding) {
+    case Binding::nothing:
+      return "nothing";
+    case Binding::adapt_time:
+      return "adapt time";
+    case Binding::triangles:
+      return "triangles";
+    case Binding::page_loads:
+      return "page loads";
+    case Binding::resident_bytes:
+      return "resident bytes";
+  }
+  return "nothing";
+}
+
+}  // namespace cuesta::app

@@ -1,0 +1,30 @@
+#pragma once
+/// What the commands that look at a .cuesta file share: opening a cut, settling it, and the model's box.
+
+#include <filesystem>
+#include <memory>
+
+#include "apps/cuesta/progress.h"
+#include "runtime/cut.h"
+
+namespace cuesta::app {
+
+/// @param cache_bytes  0: half of the machine's memory.
+Result<std::unique_ptr<Cut>> open_cut(const std::filesystem::path& path, std::uint64_t cache_bytes);
+
+/// Cut::settle() with a progress line and a way to stop.
+/// @error cancelled; the first error of a page that could not be read: what is drawn would then be coarser
+/// than asked.
+Result<AdaptReport> settle_cut(Cut& cut, const ErrorScale& scale, double tau, Budgets budgets,
+                               Progress& progress);
+
+/// In world units.
+Box3d world_box(const Directory& directory);
+
+/// Largest distance between a vertex of the input and its place on the file's grid, in world units.
+double snapping_error(const Directory& directory);
+
+/// "triangles", "adapt time", …
+const char* name(Binding binding);
+
+}  // namespace cuesta::app

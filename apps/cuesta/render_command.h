@@ -1,0 +1,35 @@
+#pragma once
+/// cuesta render: pictures of a .cuesta file, one or a flight.
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+
+#include "apps/cuesta/text_forms.h"
+#include "runtime/cut.h"
+#include "runtime/draw/renderer.h"
+
+namespace cuesta::app {
+
+struct RenderSettings {
+  std::filesystem::path file;
+  std::filesystem::path output;  ///< PNG for one picture, folder for a flight; empty: from the file's name
+  std::optional<CameraText> camera;  ///< at most one of camera, orbit_frames and flight
+  std::uint64_t orbit_frames = 0;
+  std::filesystem::path flight;
+  View view;  ///< picture size, angle, up
+  double tau_px = 1;
+  double outside_factor = 4;  ///< how much coarser what is outside the picture may be
+  Budgets budgets;            ///< adapt_ms and page_loads hold for all frames of a flight but the first
+  std::uint64_t cache_bytes = 1ull << 30;
+  bool settle = false;  ///< settle every frame of a flight
+  bool stats_only = false;
+  DrawOptions draw;
+  bool quiet = false;
+};
+
+/// One picture, or frame-00000.png …, frames.csv and frames.svg.
+/// @error of reading the file or the flight; io of writing; cancelled.
+Result<void> run_render(const RenderSettings& settings);
+
+}  // namespace cuesta::app
