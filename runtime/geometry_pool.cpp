@@ -56,6 +56,7 @@ GeometryPool::RunId GeometryPool::add(std::uint32_t vertices, std::uint32_t tria
     runs_[id] = r;
   }
   if (vertices_.size() < vertex_runs_.end()) vertices_.resize(vertex_runs_.end());
+  if (has_texcoords_) texcoords_.resize(vertices_.size());
   const std::size_t end = std::size_t{block_runs_.end()} * block;
   if (place_.size() < end) {
     indices_.resize(end * 3);
@@ -82,6 +83,11 @@ void GeometryPool::remove(RunId run) {
 
 std::span<DrawVertex> GeometryPool::vertices(RunId run) {
   return std::span(vertices_).subspan(runs_[run].first_vertex, runs_[run].vertices);
+}
+
+std::span<TexCoord> GeometryPool::texcoords(RunId run) {
+  if (!has_texcoords_) return {};
+  return std::span(texcoords_).subspan(runs_[run].first_vertex, runs_[run].vertices);
 }
 
 void GeometryPool::swap_places(std::uint32_t a, std::uint32_t b) {
@@ -125,11 +131,11 @@ DrawList GeometryPool::draw_list(const Grid& grid) {
     r.changed_lo = 0xFFFFFFFFu;
     r.changed_hi = 0;
   }
-  return {grid, vertices_, indices_, draws_, changed_vertices_, changed_indices_};
+  return {grid, vertices_, texcoords_, indices_, draws_, changed_vertices_, changed_indices_};
 }
 
 std::uint64_t GeometryPool::bytes() const {
-  return vertices_.capacity() * sizeof(DrawVertex) +
+  return vertices_.capacity() * sizeof(DrawVertex) + texcoords_.capacity() * sizeof(TexCoord) +
          (indices_.capacity() + place_.capacity() + at_place_.capacity() + owner_.capacity()) * sizeof(std::uint32_t);
 }
 

@@ -39,12 +39,17 @@ class GeometryPool {
   using RunId = std::uint32_t;
   static constexpr RunId no_run = 0xFFFFFFFFu;
 
+  /// @param texcoords  keep texture coordinates beside the vertices: 8 more bytes per slot
+  explicit GeometryPool(bool texcoords = false) : has_texcoords_(texcoords) {}
+
   /// Room for a page; its triangles are inactive and hold no corners yet.
   RunId add(std::uint32_t vertices, std::uint32_t triangles);
   void remove(RunId run);
   const PageRun& run(RunId id) const { return runs_[id]; }
 
   std::span<DrawVertex> vertices(RunId run);
+  /// As long as vertices(run), or empty without texture coordinates.
+  std::span<TexCoord> texcoords(RunId run);
   const DrawVertex& vertex(std::uint32_t slot) const { return vertices_[slot]; }
   std::uint32_t corner(TriangleHandle t, std::uint32_t c) const { return indices_[std::size_t{place_[t]} * 3 + c]; }
   void set_corner(TriangleHandle t, std::uint32_t c, std::uint32_t slot) {
@@ -73,7 +78,9 @@ class GeometryPool {
   void swap_places(std::uint32_t a, std::uint32_t b);
 
   RunAllocator vertex_runs_, block_runs_;
+  bool has_texcoords_;
   std::vector<DrawVertex> vertices_;
+  std::vector<TexCoord> texcoords_;
   std::vector<std::uint32_t> indices_;
   std::vector<std::uint32_t> place_, at_place_;
   std::vector<RunId> owner_;  // per block

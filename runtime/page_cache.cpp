@@ -16,7 +16,7 @@ std::uint64_t expected_bytes(const PageEntry& e) {
 }  // namespace
 
 PageCache::PageCache(CuestaFile file, std::uint64_t budget_bytes)
-    : file_(std::move(file)), budget_bytes_(budget_bytes) {
+    : file_(std::move(file)), budget_bytes_(budget_bytes), pool_(directory().has_texcoords) {
   pages_.resize(directory().pages.size());
   failed_.assign(pages_.size(), 0);
 }

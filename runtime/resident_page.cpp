@@ -129,6 +129,10 @@ class PageReplay {
       }
       if (!page_.owned.colours.empty()) v.colour = page_.owned.colours[i];
     }
+    auto texcoords = out_.pool_.texcoords(out_.run_);
+    for (std::size_t i = 0; i < std::min(texcoords.size(), page_.owned.texcoords.size()); ++i)
+      for (std::size_t k = 0; k < 2; ++k)
+        texcoords[i][k] = static_cast<float>(page_.owned.texcoords[i][k]) / 65536.0f;
     out_.vertex_slot_.assign(page_.vertex_count, no_entry);
     std::uint32_t slot = out_.pool_.run(out_.run_).first_vertex;
     for (std::uint32_t v = 0; v < page_.vertex_count; ++v)

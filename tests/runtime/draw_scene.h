@@ -39,7 +39,7 @@ struct Scene {
     add_triangle(a, c, d, colour);
   }
   void draw_all() { draws = {{0, static_cast<std::uint32_t>(indices.size())}}; }
-  DrawList list() const { return {grid, vertices, indices, draws, changed_vertices, changed_indices}; }
+  DrawList list() const { return {grid, vertices, {}, indices, draws, changed_vertices, changed_indices}; }
 };
 
 /// Icosahedron, each triangle cut in four `levels` times; smooth normals. Positions rounded to grid steps.
