@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <map>
 #include <memory>
 #include <numbers>
 
@@ -16,6 +17,7 @@
 #include "apps/cuesta/measure_command.h"
 #include "apps/cuesta/render_command.h"
 #include "apps/cuesta/text_forms.h"
+#include "apps/cuesta/verify_command.h"
 
 namespace cuesta::app {
 namespace {
@@ -67,6 +69,15 @@ std::function<bool(const std::string&)> store(std::optional<T> (*parse)(std::str
     const auto value = parse(text);
     if (value) where = *value;
     return value.has_value();
+  };
+}
+
+template <class T>
+std::function<bool(const std::string&)> one_of(std::map<std::string, T> choices, T& where) {
+  return [choices = std::move(choices), &where](const std::string& text) {
+    const auto at = choices.find(text);
+    if (at != choices.end()) where = at->second;
+    return at != choices.end();
   };
 }
 
@@ -162,12 +173,10 @@ void add_render_budgets(CLI::App* app, RenderSettings& s) {
 }
 
 void add_render_look(CLI::App* app, RenderSettings& s) {
-  const std::map<std::string, Shading> shadings{
-      {"lit", Shading::lit}, {"wireframe", Shading::wireframe}, {"normals", Shading::normals}};
-  app->add_option("--shading", s.draw.shading, "lit, wireframe or normals; default lit")
-      ->type_name("HOW")
-      ->transform(CLI::Transformer(shadings).description(""))
-      ->check(CLI::IsMember(shadings).description(""));
+  add_parsed(app, "--shading", "HOW", "lit, wireframe or normals; default lit",
+             one_of<Shading>(
+                 {{"lit", Shading::lit}, {"wireframe", Shading::wireframe}, {"normals", Shading::normals}},
+                 s.draw.shading));
   add_parsed(app, "--background", "COLOUR", "#rrggbb, white, black, grey or transparent; default white",
              store(parse_colour, s.draw.background));
   add_parsed(app, "--colour", "COLOUR", "of the surface, times its vertices' colours; default warm grey",
@@ -211,14 +220,13 @@ void add_flight(CLI::App& program, Common& common) {
       "move on Catmull–Rom splines through the keyframes.\n\n"
       "Example:\n  cuesta flight bunny.cuesta --kind zoom-in --frames 120 -o zoom.json");
   FlightSettings& s = *c.settings;
-  const std::map<std::string, FlightKind> kinds{
-      {"orbit", FlightKind::orbit}, {"zoom-in", FlightKind::zoom_in}, {"fly-over", FlightKind::fly_over}};
   add_path(c.app, "FILE", s.file, "a .cuesta file")->required();
   add_path(c.app, "-o,--output", s.output, "flight file to write")->required();
-  c.app->add_option("--kind", s.kind, "orbit, zoom-in or fly-over; default orbit")
-      ->type_name("KIND")
-      ->transform(CLI::Transformer(kinds).description(""))
-      ->check(CLI::IsMember(kinds).description(""));
+  add_parsed(c.app, "--kind", "KIND", "orbit, zoom-in or fly-over; default orbit",
+             one_of<FlightKind>({{"orbit", FlightKind::orbit},
+                                 {"zoom-in", FlightKind::zoom_in},
+                                 {"fly-over", FlightKind::fly_over}},
+                                s.kind));
   c.app->add_option("--frames", s.frames, "number of frames; default 300")
       ->type_name("N")
       ->check(CLI::Range(2u, 1000000u));
@@ -279,6 +287,22 @@ void add_export(CLI::App& program, Common& common) {
   });
 }
 
+void add_verify(CLI::App& program, Common& common) {
+  Command<VerifySettings> c(
+      program, "verify", "Checks a .cuesta file: bytes, structure, invariants.",
+      "Replays every page and checks that each substitution is legal and its error and sphere\n"
+      "contain those it depends on; then looks at sample cuts: no cracks, and the reported error\n"
+      "bounds the distance of every original vertex. Exit status 3 if anything was found.\n\n"
+      "Example:\n  cuesta verify bunny.cuesta");
+  VerifySettings& s = *c.settings;
+  add_path(c.app, "FILE", s.file, "a .cuesta file")->required();
+  c.app->add_flag("--quick", s.quick, "no sample cuts");
+  c.app->add_flag("--json", s.json, "as JSON with stable keys");
+  add_threads(c.app, common);
+  add_quiet(c.app, s.quiet);
+  c.runs(common, run_verify);
+}
+
 void add_measure(CLI::App& program, Common& common) {
   Command<MeasureSettings> c(
       program, "measure", "Measures how far two surfaces are apart.",
@@ -319,6 +343,7 @@ int run_command_line(int argc, char** argv) {
   add_render(program, common);
   add_flight(program, common);
   add_export(program, common);
+  add_verify(program, common);
   add_measure(program, common);
   try {
     program.parse(argc, argv);

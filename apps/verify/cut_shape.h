@@ -1,0 +1,49 @@
+#pragma once
+/// Topology of the full surface, and whether a cut of it is as whole as it is.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ooc/vec.h"
+
+namespace cuesta::verify {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// What edges say about one component. V - E + F is the Euler characteristic.
+struct ComponentShape {
+  std::int64_t euler = 0;
+  std::uint64_t triangles = 0;
+  std::uint64_t border_edges = 0;     ///< with one triangle
+  std::uint64_t irregular_edges = 0;  ///< with more than two triangles, or two in one direction
+};
+
+/// Points of the full surface: wedges are one point where the surface is joined across them (seam_groups.h).
+class SurfaceShape {
+ public:
+  /// @param positions  one per vertex slot, also of those that no triangle uses
+  /// @cost O(n log n), 60 bytes per triangle for a while.
+  SurfaceShape(std::span<const Vec3i> positions, std::span<const Triangle> full);
+
+  std::span<const ComponentShape> components() const { return full_; }
+  /// Sentences for what a cut has that the full surface has not: cracks, irregular edges, another Euler
+  /// characteristic of a closed component. Components may be absent, and border loops may close.
+  std::vector<std::string> complaints(std::span<const Triangle> cut) const;
+
+ private:
+  struct Edge;
+  std::vector<Edge> sorted_edges(std::span<const Triangle> triangles) const;
+  std::vector<ComponentShape> shapes_of(std::span<const Triangle> triangles,
+                                        std::span<const Edge> edges) const;
+  void find_components(std::span<const Triangle> full);
+
+  std::vector<std::uint32_t> point_;      // per slot
+  std::vector<std::uint32_t> component_;  // per point, dense
+  std::vector<std::uint8_t> at_border_;   // per point
+  std::vector<ComponentShape> full_;
+};
+
+}  // namespace cuesta::verify
