@@ -75,8 +75,9 @@ double half_extent(const Box3d& box, Vec3d direction) {
 }
 
 struct FlightPlan {
-  const Box3d& box;
+  std::span<const Vec3d> points;
   Vec3d surface;
+  Box3d box;
   const View& view;
   Vec3d centre;
   ModelFrame frame;
@@ -94,7 +95,8 @@ struct FlightPlan {
       const double angle = 2 * std::numbers::pi * (i % parts) / parts;
       directions[static_cast<std::size_t>(i)] =
           normalized(frame.front * std::cos(angle) + frame.right * std::sin(angle) + frame.up * rise);
-      distance = std::max(distance, fit_distance(box, directions[static_cast<std::size_t>(i)], view));
+      distance =
+          std::max(distance, fit_distance(points, centre, directions[static_cast<std::size_t>(i)], view));
     }
     for (std::size_t i = 0; i <= parts; ++i)
       flight.keyframes.push_back(
@@ -104,7 +106,7 @@ struct FlightPlan {
   void zoom_in(double seconds, Flight& flight) const {
     constexpr int parts = 24;
     const Vec3d direction = three_quarter_direction(frame.up);
-    const double far = fit_distance(box, direction, view);
+    const double far = fit_distance(points, centre, direction, view);
     const double near = length(box.hi - box.lo) * 0.01;
     for (int i = 0; i <= parts; ++i) {
       const double t = static_cast<double>(i) / parts;
@@ -123,7 +125,7 @@ struct FlightPlan {
     const double above = top + 0.15 * (reach + top);
     for (int i = 0; i <= parts; ++i) {
       const double t = static_cast<double>(i) / parts;
-      const Vec3d eye = centre + along * (reach * (2.6 * t - 1.6)) + frame.up * above;
+      const Vec3d eye = centre + along * (reach * (2.1 * t - 1.9)) + frame.up * above;
       flight.keyframes.push_back(key(seconds * t, eye, eye + along * reach - frame.up * (0.55 * above)));
     }
   }
@@ -152,12 +154,13 @@ View flight_view(const Flight& flight, double time_s, const View& size) {
 
 Flight make_flight(FlightKind kind, const FlightSubject& subject, const View& view, std::uint64_t frames,
                    double fps) {
-  const Box3d& box = subject.box;
+  const Box3d box = box_of(subject.points);
   CUESTA_CHECK(frames >= 2 && fps > 0 && !box.empty(), frames, fps);
   Flight flight;
   flight.fps = fps;
   const double seconds = static_cast<double>(frames - 1) / fps;
-  const FlightPlan plan{box, subject.surface, view, (box.lo + box.hi) * 0.5, model_frame(view.up)};
+  const FlightPlan plan{subject.points, subject.surface,         box,
+                        view,           (box.lo + box.hi) * 0.5, model_frame(view.up)};
   if (kind == FlightKind::orbit) plan.orbit(seconds, flight);
   if (kind == FlightKind::zoom_in) plan.zoom_in(seconds, flight);
   if (kind == FlightKind::fly_over) plan.fly_over(seconds, flight);

@@ -2,6 +2,7 @@
 /// A camera's way through time: keyframes, interpolated smoothly; and generated ways around a model.
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "runtime/view.h"
@@ -44,7 +45,7 @@ enum class FlightKind : std::uint8_t {
 
 /// What a generated flight is about.
 struct FlightSubject {
-  Box3d box;      ///< not empty
+  std::span<const Vec3d> points;  ///< on it, coarse ones will do; not empty
   Vec3d surface;  ///< a point of the surface that can be seen from three_quarter_direction(); for zoom_in
 };
 

@@ -55,10 +55,11 @@ struct Command {
 /// An option whose words `parse` understands: it returns false for what it does not.
 CLI::Option* add_parsed(CLI::App* app, const char* name, const char* words, const char* what,
                         std::function<bool(const std::string&)> parse) {
-  return app
-      ->add_option(
-          name, [parse = std::move(parse)](const CLI::results_t& given) { return parse(given.front()); },
-          what)
+  const auto read = [parse = std::move(parse), name, what](const CLI::results_t& given) {
+    if (parse(given.front())) return true;
+    throw CLI::ValidationError(name, fmt::format("\"{}\" is not understood; it is: {}", given.front(), what));
+  };
+  return app->add_option(name, read, what)
       ->type_name(words)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
@@ -242,7 +243,7 @@ void add_export(CLI::App& program, Common& common) {
       program, "export", "Writes a level of detail of a .cuesta file as a mesh file.",
       "Uniform: by error, by triangle count, or in full. Of a view: with --camera and --tau. Tells the\n"
       "triangles and the guaranteed error: no vertex of the input is farther from the mesh written.\n"
-      "Texture coordinates are not exported yet.\n\n"
+      "\n"
       "Examples:\n  cuesta export bunny.cuesta -o small.ply --triangles 5000\n"
       "  cuesta export bunny.cuesta -o near.glb --camera \"eye 0,0.1,0.3 target 0,0.1,0\" --tau 1");
   ExportSettings& s = *c.settings;

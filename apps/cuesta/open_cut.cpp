@@ -5,12 +5,14 @@
 
 #include "apps/cuesta/machine.h"
 #include "apps/cuesta/stop_signal.h"
+#include "runtime/extract.h"
 
 namespace cuesta::app {
 namespace {
 
 constexpr std::uint32_t pages_per_call = 32;  // so that the progress line moves, and a stop is noticed
-constexpr int most_calls = 100000;            // more than any file needs; a cut that does not settle ends too
+constexpr std::uint64_t sketch_triangles = 4000;
+constexpr int most_calls = 100000;  // more than any file needs; a cut that does not settle ends too
 
 }  // namespace
 
@@ -37,6 +39,17 @@ Result<AdaptReport> settle_cut(Cut& cut, const ErrorScale& scale, double tau, Bu
   if (auto r = check_stop(); !r) return fail(r.error());
   if (const auto errors = cut.cache().errors(); !errors.empty()) return fail(errors.front());
   return sum;
+}
+
+std::vector<Vec3d> sketch_points(Cut& cut) {
+  Budgets budgets;
+  budgets.triangles = sketch_triangles;
+  budgets.page_loads = 0;
+  const Directory& d = cut.directory();
+  cut.adapt(ErrorScale::uniform(d.grid), 0, budgets);
+  const auto sketch = extract_mesh(cut.draw_list(), {false, false});
+  if (sketch && !sketch->positions.empty()) return sketch->positions;
+  return {d.grid.world(d.lo), d.grid.world(d.hi)};
 }
 
 Box3d world_box(const Directory& d) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "apps/cuesta/progress.h"
 #include "runtime/cut.h"
@@ -17,6 +18,10 @@ Result<std::unique_ptr<Cut>> open_cut(const std::filesystem::path& path, std::ui
 /// than asked.
 Result<AdaptReport> settle_cut(Cut& cut, const ErrorScale& scale, double tau, Budgets budgets,
                                Progress& progress);
+
+/// A few thousand points of the surface, in world units, from the base page alone: to place cameras. Moves the cut.
+/// Never empty.
+std::vector<Vec3d> sketch_points(Cut& cut);
 
 /// In world units.
 Box3d world_box(const Directory& directory);

@@ -29,7 +29,7 @@ class Pictures {
     return pictures;
   }
 
-  Box3d box() const { return world_box(cut_->directory()); }
+  std::vector<Vec3d> sketch() { return sketch_points(*cut_); }
 
   /// Adapts to `view`: at once, or as far as one frame's budgets go.
   Result<AdaptReport> adapt(const View& view, bool settle, Progress& progress) {
@@ -61,8 +61,8 @@ class Pictures {
   std::unique_ptr<Renderer> renderer_;
 };
 
-View still_view(const RenderSettings& s, const Box3d& box) {
-  if (!s.camera) return fit_view(box, three_quarter_direction(s.view.up), s.view);
+View still_view(const RenderSettings& s, Pictures& pictures) {
+  if (!s.camera) return fit_view(pictures.sketch(), three_quarter_direction(s.view.up), s.view);
   View view = s.view;
   view.eye = s.camera->eye;
   view.target = s.camera->target;
@@ -71,7 +71,7 @@ View still_view(const RenderSettings& s, const Box3d& box) {
 }
 
 Result<void> render_still(const RenderSettings& s, Pictures& pictures, Progress& progress) {
-  const View view = still_view(s, pictures.box());
+  const View view = still_view(s, pictures);
   const auto report = pictures.adapt(view, true, progress);
   if (!report) return fail(report.error());
   const auto path = s.output.empty() ? s.file.filename().replace_extension(".png") : s.output;
@@ -86,9 +86,10 @@ Result<void> render_still(const RenderSettings& s, Pictures& pictures, Progress&
   return {};
 }
 
-Result<Flight> chosen_flight(const RenderSettings& s, const Box3d& box) {
+Result<Flight> chosen_flight(const RenderSettings& s, Pictures& pictures) {
   if (!s.flight.empty()) return read_flight(s.flight);
-  return make_flight(FlightKind::orbit, {box, (box.lo + box.hi) * 0.5}, s.view, s.orbit_frames + 1);
+  const auto points = pictures.sketch();
+  return make_flight(FlightKind::orbit, {points, points.front()}, s.view, s.orbit_frames + 1);
 }
 
 Result<void> make_folder(const std::filesystem::path& folder) {
@@ -134,7 +135,7 @@ void tell_flight(const std::filesystem::path& folder, const std::vector<FrameRec
 }
 
 Result<void> render_flight(const RenderSettings& s, Pictures& pictures, Progress& progress) {
-  const auto flight = chosen_flight(s, pictures.box());
+  const auto flight = chosen_flight(s, pictures);
   if (!flight) return fail(flight.error());
   // An orbit ends where it began: its last frame is the first again.
   const std::uint64_t count = s.flight.empty() ? s.orbit_frames : frame_count(*flight);
