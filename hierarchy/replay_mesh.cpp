@@ -17,20 +17,26 @@ void join(std::vector<std::uint32_t>& point, std::uint32_t a, std::uint32_t b) {
   point[std::max(a, b)] = std::min(a, b);
 }
 
-/// Wedges that are joined and leave one position are one point, and so are those that they go to. (A
-/// component that is absorbed leaves several.) More of them may be one, which only makes the checks here
-/// milder; edges cannot tell, for a page holds only some of the sheets that meet at a non-manifold edge.
-void join_wedges(const Script& script, std::span<const Vec3i> positions, std::vector<std::uint32_t>& point) {
-  const auto& all = script.children;
-  for (std::size_t first = 0, last = 0; first < all.size(); first = last) {
+/// Wedges that are joined and leave one position are one point. (A component that is absorbed leaves
+/// several.)
+void join_children(std::span<const Child> children, std::span<const Vec3i> positions,
+                   std::vector<std::uint32_t>& point) {
+  for (std::size_t first = 0, last = 0; first < children.size(); first = last) {
     bool one_place = true;
-    for (last = first + 1; last < all.size() && all[last].joined; ++last)
-      one_place = one_place && positions[all[last].vertex] == positions[all[first].vertex];
-    for (std::size_t i = first + 1; i < last && one_place; ++i) {
-      join(point, all[first].vertex, all[i].vertex);
-      join(point, all[first].target, all[i].target);
-    }
+    for (last = first + 1; last < children.size() && children[last].joined; ++last)
+      one_place = one_place && positions[children[last].vertex] == positions[children[first].vertex];
+    for (std::size_t i = first + 1; i < last && one_place; ++i)
+      join(point, children[first].vertex, children[i].vertex);
   }
+}
+
+/// So are those that the children of one fan go to. More wedges may be one point, which only makes the checks
+/// here milder; edges cannot tell, for a page holds only some of the sheets that meet at a non-manifold edge.
+void join_wedges(const Script& script, std::span<const Vec3i> positions, std::vector<std::uint32_t>& point) {
+  join_children(script.children, positions, point);
+  for (const Fan& fan : script.fans)
+    for (const Child& c : std::span(script.children).subspan(fan.first_child, fan.child_count))
+      if (positions[c.target] == positions[fan.centre]) join(point, fan.centre, c.target);
   for (std::uint32_t v = 0; v < point.size(); ++v) point[v] = root(point, v);
 }
 
