@@ -17,6 +17,9 @@ constexpr float never = std::numeric_limits<float>::infinity();
 constexpr std::uint32_t small_component = 6;
 constexpr std::uint32_t stuck_component = 64;
 
+/// Below this many triangles for each handle or hole, topology is let go.
+constexpr std::uint32_t triangles_per_loop = 32;
+
 /// Below this many triangles fans take no more than the threshold allows.
 constexpr std::uint32_t coarse_triangles = 2048;
 
@@ -38,6 +41,7 @@ class FanMerger {
   SimplifyResult run() {
     float threshold = 0;
     while (kernel_.live_triangles() > options_.target_triangles) {
+      loosen_if_knotted();
       refresh_costs();
       if (centres_.empty()) break;
       threshold = std::max(threshold, cost_quantile());
@@ -172,6 +176,14 @@ class FanMerger {
     return merged;
   }
 
+  /// What is left is mostly handles and holes: the link condition would keep it all.
+  void loosen_if_knotted() {
+    if (loose_ || kernel_.live_triangles() >= std::uint64_t{triangles_per_loop} * kernel_.loops()) return;
+    kernel_.loosen_topology();
+    loose_ = true;
+    std::fill(dirty_.begin(), dirty_.end(), std::uint8_t{1});
+  }
+
   /// Takes components within `reach` whole; each is a fan of its own. Returns how many.
   std::size_t absorb_components(std::uint32_t most_points, float reach) {
     std::erase_if(centres_, [this](PointId p) { return kernel_.removed(p); });
@@ -205,6 +217,7 @@ class FanMerger {
   ComponentAbsorber absorber_;
   SimplifyOptions options_;
   float largest_error_ = 0;
+  bool loose_ = false;
   std::vector<float> cost_, retry_, scratch_;
   std::vector<std::uint32_t> taken_;
   std::uint32_t pass_stamp_ = 0;

@@ -47,6 +47,7 @@ SubstitutionKernel::SubstitutionKernel(CellMesh cell) : births_(std::move(cell.b
   stamp_.assign(position_.size(), 0);
   build_stars();
   find_borders();
+  count_loops();
   build_quadrics();
   adopt_samples(cell.samples);
 }
@@ -71,6 +72,30 @@ void SubstitutionKernel::build_stars() {
 /// A point is on a border if one of its edges has one triangle only. (Locked points look so too, and do not move.)
 void SubstitutionKernel::find_borders() {
   for (PointId p = 0; p < point_count(); ++p) update_border(p);
+}
+
+/// Components less the Euler characteristic: 0 for discs, 2 for a torus, one more for each further hole.
+void SubstitutionKernel::count_loops() {
+  std::uint64_t rings = 0;  // each edge twice
+  std::int64_t components = 0;
+  std::vector<std::uint8_t> seen(point_count(), 0);
+  std::vector<PointId> stack;
+  for (PointId p = 0; p < point_count(); ++p) {
+    components += !seen[p];
+    if (!seen[p]) stack.push_back(p);
+    seen[p] = 1;
+    while (!stack.empty()) {
+      const PointId q = stack.back();
+      stack.pop_back();
+      const auto ring = neighbours(q);
+      rings += ring.size();
+      for (PointId r : ring)
+        if (!std::exchange(seen[r], std::uint8_t{1})) stack.push_back(r);
+    }
+  }
+  const std::int64_t euler = static_cast<std::int64_t>(point_count()) - static_cast<std::int64_t>(rings / 2) +
+                             static_cast<std::int64_t>(corners_.size());
+  loops_ = static_cast<std::uint32_t>(std::max<std::int64_t>(0, components - euler));
 }
 
 void SubstitutionKernel::build_quadrics() {
@@ -150,7 +175,6 @@ bool SubstitutionKernel::link_condition(PointId u, PointId v) {
         return false;
       stamp_[q] = counted;
     }
-  closed_hole_ = 0;
   if (common == at_edge + 1 && border(u)) return closes_hole(u, v);
   if (common != at_edge) return false;
   if (modified == 0) return ear_has_neighbour(u, v);
@@ -184,6 +208,26 @@ bool SubstitutionKernel::closes_hole(PointId u, PointId v) {
     return !doubles_triangle(u, v);
   }
   return false;
+}
+
+/// No point may be left without a triangle, and something must be left to take the samples. Without the link condition
+/// the triangles around the corners that lose one need not change themselves, so they are guarded.
+bool SubstitutionKernel::loosely_legal(PointId u, PointId v) {
+  std::uint32_t going = 0;
+  for (TriangleId t : star(u)) {
+    if (!has_corner(t, v)) continue;
+    ++going;
+    for (PointId w : corners_[t]) {
+      if (w == u || w == v) continue;
+      const auto around = star(w);
+      const auto lost = std::count_if(around.begin(), around.end(),
+                                      [&](TriangleId s) { return has_corner(s, u) && has_corner(s, v); });
+      if (static_cast<std::size_t>(lost) == around.size()) return false;
+      for (TriangleId s : around)
+        if (!has_corner(s, u)) guarded_.push_back(s);
+    }
+  }
+  return going > 0 && star_size_[v] > going;
 }
 
 std::uint32_t SubstitutionKernel::edge_triangles(PointId p, PointId q) const {
@@ -251,7 +295,9 @@ bool SubstitutionKernel::map_wedges(PointId u, PointId v) {
 
 bool SubstitutionKernel::legal(PointId u, PointId v) {
   if (!can_move(u) || removed(v) || !may_join(u, v)) return false;
-  return link_condition(u, v) && keeps_orientation(u, v) && (wedges_.empty() || map_wedges(u, v));
+  closed_hole_ = 0;
+  guarded_.clear();
+  return (loose_topology_ ? loosely_legal(u, v) : link_condition(u, v)) && keeps_orientation(u, v) && (wedges_.empty() || map_wedges(u, v));
 }
 
 /// Samples of the patch and the points that leave, into the batch.
@@ -301,6 +347,7 @@ float SubstitutionKernel::measure(PointId u, PointId v) {
 
 float SubstitutionKernel::measure_absorption(std::span<const PointId> members, PointId v) {
   patch_.clear();
+  guarded_.clear();
   leaving_.assign(members.begin(), members.end());
   for (PointId p : members)
     for (TriangleId t : star(p))
@@ -313,15 +360,15 @@ float SubstitutionKernel::measure_absorption(std::span<const PointId> members, P
 
 float SubstitutionKernel::birth_error() const {
   float error = 0;
-  for (TriangleId t : patch_) error = std::max(error, births_[t].error);
-  for (TriangleId t : targets_) error = std::max(error, births_[t].error);
+  for (const auto* triangles : {&patch_, &targets_, &guarded_})
+    for (TriangleId t : *triangles) error = std::max(error, births_[t].error);
   return error;
 }
 
 /// Points of the patch and its targets, and the balls they were born with.
 void SubstitutionKernel::cover_patch(std::vector<Sphere>& balls) const {
   const Vec3f to_grid = vec_cast<float>(origin_);
-  for (const auto* triangles : {&patch_, &targets_})
+  for (const auto* triangles : {&patch_, &targets_, &guarded_})
     for (TriangleId t : *triangles) {
       if (births_[t].sphere.radius > 0) balls.push_back(births_[t].sphere);
       for (PointId q : corners_[t]) balls.push_back({position_[q] + to_grid, 0});
@@ -389,6 +436,7 @@ void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vect
     first_sample_[t] = none;
   }
   changed.insert(changed.end(), targets_.begin(), targets_.end());
+  changed.insert(changed.end(), guarded_.begin(), guarded_.end());
   star_begin_[v] = begin;
   star_size_[v] = static_cast<std::uint32_t>(arena_.size()) - begin;
   star_size_[u] = 0;

@@ -37,7 +37,13 @@ class SubstitutionKernel {
   /// distance, equal here and +3 % at 0.5 %.) Unit: grid units to the third power.
   float cost(PointId u, PointId v) const;
   /// True if u → v needs no look at geometry to be refused: u is on a border and v is not, say.
-  bool may_join(PointId u, PointId v) const { return !(border(u) && !border(v)); }
+  bool may_join(PointId u, PointId v) const { return loose_topology_ || !(border(u) && !border(v)); }
+
+  /// Loops that keep a surface from becoming small: handles, holes, and borders beyond one a component; at the start.
+  std::uint32_t loops() const { return loops_; }
+  /// From now on legal() lets go of the link condition and of borders: handles close, sheets touch along edges.
+  /// Errors stay measured and saturated. For surfaces that are mostly loops, as cracked photogrammetry becomes.
+  void loosen_topology() { loose_topology_ = true; }
 
   /// Link condition, borders, seams, locked neighbours, inversion: is u → v legal now?
   bool legal(PointId u, PointId v);
@@ -81,6 +87,8 @@ class SubstitutionKernel {
   void build_quadrics();
   void adopt_samples(const TriangleSamples& samples);
   bool link_condition(PointId u, PointId v);
+  void count_loops();
+  bool loosely_legal(PointId u, PointId v);
   bool doubles_triangle(PointId u, PointId v) const;
   bool closes_hole(PointId u, PointId v);
   std::uint32_t edge_triangles(PointId p, PointId q) const;
@@ -120,7 +128,10 @@ class SubstitutionKernel {
   DeviationBatch batch_;
   std::vector<std::uint32_t> batch_ids_;
   std::vector<TriangleId> patch_, targets_;  // triangles that go or change; those that take their samples
+  std::vector<TriangleId> guarded_;  // reborn too: nothing at the corners of what goes may change before it
   std::vector<PointId> leaving_;
+  bool loose_topology_ = false;
+  std::uint32_t loops_ = 0;
   bool ear_ = false;
   float closed_hole_ = 0;  // > 0: the substitution closes a hole with edges up to this length
   PointId hole_corner_ = none;
