@@ -365,13 +365,20 @@ float SubstitutionKernel::birth_error() const {
   return error;
 }
 
-/// Points of the patch and its targets, and the balls they were born with.
-void SubstitutionKernel::cover_patch(std::vector<Sphere>& balls) const {
+/// Points of the patch and its targets, and the balls they were born with; each once.
+void SubstitutionKernel::cover_patch(std::vector<Sphere>& balls) {
   const Vec3f to_grid = vec_cast<float>(origin_);
+  const std::uint32_t seen = next_stamp();
+  const auto known = [&balls](const Sphere& s) {
+    return std::any_of(balls.begin(), balls.end(), [&s](const Sphere& b) {
+      return b.radius == s.radius && b.centre == s.centre;
+    });
+  };
   for (const auto* triangles : {&patch_, &targets_, &guarded_})
     for (TriangleId t : *triangles) {
-      if (births_[t].sphere.radius > 0) balls.push_back(births_[t].sphere);
-      for (PointId q : corners_[t]) balls.push_back({position_[q] + to_grid, 0});
+      if (births_[t].sphere.radius > 0 && !known(births_[t].sphere)) balls.push_back(births_[t].sphere);
+      for (PointId q : corners_[t])
+        if (std::exchange(stamp_[q], seen) != seen) balls.push_back({position_[q] + to_grid, 0});
     }
 }
 

@@ -98,7 +98,7 @@ class SubstitutionKernel {
   bool map_wedges(PointId u, PointId v);
   void collect_samples();
   void measure_targets(PointId u, PointId v);
-  void cover_patch(std::vector<Sphere>& balls) const;
+  void cover_patch(std::vector<Sphere>& balls);
   void choose_targets(PointId u, PointId v);
   void redistribute_samples();
   void remove_from_star(PointId p, TriangleId t);
