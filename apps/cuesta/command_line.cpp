@@ -280,6 +280,7 @@ void add_export(CLI::App& program, Common& common) {
   add_camera_frame(c.app, s.view);
   add_parsed(c.app, "--cache", "SIZE", "memory for resident pages; default: half of the machine's",
              store(parse_bytes, s.cache_bytes));
+  c.app->add_flag("--json", s.json, "tell triangles and bounds as JSON with stable keys");
   add_quiet(c.app, s.quiet);
   c.runs(common, run_export);
   c.app->parse_complete_callback([error, triangles, full, camera] {
@@ -346,6 +347,11 @@ int run_command_line(int argc, char** argv) {
   add_export(program, common);
   add_verify(program, common);
   add_measure(program, common);
+  const auto is_named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
+  if (argc > 1 && argv[1][0] != '-' && std::as_const(program).get_subcommands(is_named).empty()) {
+    fmt::print(stderr, "cuesta: there is no command \"{}\"; cuesta --help lists them\n", argv[1]);
+    return wrong_usage;
+  }
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "apps/cuesta/open_cut.h"
 #include "ooc/mesh_writer.h"
@@ -41,6 +42,28 @@ Result<void> check_complete(const ExportSettings& s, const AdaptReport& report) 
           byte_count(report.resident_bytes)));
 }
 
+/// Before the work that would be for nothing.
+Result<void> check_format(const ExportSettings& s) {
+  const std::string extension = s.output.extension().string();
+  if (extension == ".ply" || extension == ".obj" || extension == ".glb") return {};
+  return fail(ErrorCode::invalid_input, s.output.string(), "",
+              "meshes are written as .ply, .obj or .glb, found \"" + extension + "\"");
+}
+
+void tell_json(const ExportSettings& s, const Directory& d, const SurfaceMesh& mesh,
+               const AdaptReport& report) {
+  nlohmann::ordered_json json;
+  json["file"] = s.output.string();
+  json["triangles"] = mesh.triangles.size();
+  json["vertices"] = mesh.positions.size();
+  json["snapping_error"] = snapping_error(d);
+  if (s.camera)
+    json["error_bound_px"] = report.achieved;
+  else
+    json["error_bound"] = report.achieved + snapping_error(d);
+  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
 void tell(const ExportSettings& s, const Directory& d, const SurfaceMesh& mesh, const AdaptReport& report) {
   fmt::print("{}: {} triangles, {} vertices\n", s.output.string(), with_commas(mesh.triangles.size()),
              with_commas(mesh.positions.size()));
@@ -58,6 +81,7 @@ void tell(const ExportSettings& s, const Directory& d, const SurfaceMesh& mesh, 
 }  // namespace
 
 Result<void> run_export(const ExportSettings& s) {
+  if (auto r = check_format(s); !r) return r;
   Progress progress(s.quiet);
   auto cut = open_cut(s.file, s.cache_bytes);
   if (!cut) return fail(cut.error());
@@ -66,13 +90,14 @@ Result<void> run_export(const ExportSettings& s) {
   if (s.triangles) budgets.triangles = *s.triangles;
   const auto report = settle_cut(**cut, export_scale(s, d.grid), export_tau(s, d), budgets, progress);
   if (!report) return fail(report.error());
+  if (const auto errors = (*cut)->cache().errors(); !errors.empty()) return fail(errors.front());
   if (auto r = check_complete(s, *report); !r) return r;
   progress.update("write", Unit::none, 0, 0);
   auto mesh = extract_mesh((*cut)->draw_list(), {d.has_normals, d.has_colours});
   if (!mesh) return fail(mesh.error());
   if (auto r = write_mesh(s.output, *mesh); !r) return r;
   progress.finish();
-  tell(s, d, *mesh, *report);
+  (s.json ? tell_json : tell)(s, d, *mesh, *report);
   return {};
 }
 

@@ -20,6 +20,7 @@ struct ExportSettings {
   double outside_factor = 1;  ///< with a camera: how much coarser what is outside the picture may be
   View view;                  ///< with a camera: picture size and angle
   std::uint64_t cache_bytes = 0;
+  bool json = false;  ///< tell it as JSON
   bool quiet = false;
 };
 

@@ -19,8 +19,8 @@ Result<std::unique_ptr<Cut>> open_cut(const std::filesystem::path& path, std::ui
 Result<AdaptReport> settle_cut(Cut& cut, const ErrorScale& scale, double tau, Budgets budgets,
                                Progress& progress);
 
-/// A few thousand points of the surface, in world units, from the base page alone: to place cameras. Moves the cut.
-/// Never empty.
+/// A few thousand points of the surface, in world units, from the base page alone: to place cameras. Moves
+/// the cut. Never empty.
 std::vector<Vec3d> sketch_points(Cut& cut);
 
 /// In world units.

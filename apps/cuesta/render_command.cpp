@@ -152,6 +152,16 @@ Result<void> render_flight(const RenderSettings& s, Pictures& pictures, Progress
   return {};
 }
 
+/// The pictures are there, but coarser than asked where pages could not be read: an error all the same.
+Result<void> unread_pages(const Pictures& pictures) {
+  const auto errors = pictures.cache().errors();
+  if (errors.empty()) return {};
+  Error error = errors.front();
+  error.message +=
+      fmt::format("; {} pages could not be read, and the pictures are coarser there", errors.size());
+  return fail(error);
+}
+
 }  // namespace
 
 Result<void> run_render(const RenderSettings& settings) {
@@ -159,7 +169,9 @@ Result<void> run_render(const RenderSettings& settings) {
   auto pictures = Pictures::open(settings);
   if (!pictures) return fail(pictures.error());
   const bool still = settings.flight.empty() && settings.orbit_frames == 0;
-  return still ? render_still(settings, *pictures, progress) : render_flight(settings, *pictures, progress);
+  const auto done =
+      still ? render_still(settings, *pictures, progress) : render_flight(settings, *pictures, progress);
+  return done ? unread_pages(*pictures) : done;
 }
 
 }  // namespace cuesta::app

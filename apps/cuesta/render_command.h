@@ -29,7 +29,9 @@ struct RenderSettings {
 };
 
 /// One picture, or frame-00000.png …, frames.csv and frames.svg.
-/// @error of reading the file or the flight; io of writing; cancelled.
+/// @error of reading the file or the flight; io of writing; cancelled. Where pages are damaged, the pictures
+/// are
+///        written, coarser there, and the first page's error is returned.
 Result<void> run_render(const RenderSettings& settings);
 
 }  // namespace cuesta::app

@@ -1,0 +1,218 @@
+/// The whole way through the built executable: mesh in, .cuesta file, cuts and pictures out.
+
+#include <algorithm>
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "ooc/mesh_writer.h"
+#include "runtime/draw/png_file.h"
+#include "tests/apps/bumpy_sphere.h"
+#include "tests/apps/run_program.h"
+
+namespace cuesta::test {
+namespace {
+
+using nlohmann::json;
+
+/// A sphere of 19,800 triangles, built once for all tests of this file.
+class CuestaCommand : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder = new TestFolder;
+    ASSERT_TRUE(write_mesh(mesh_path(), bumpy_sphere(100, 100)));
+    built = run(*folder, {"build", mesh_path(), "-o", file(), "--cell", "2048", "--threads", "2"});
+    ASSERT_EQ(built.status, 0) << built.err;
+  }
+  static void TearDownTestSuite() { delete folder; }
+
+  static std::string mesh_path() { return *folder / "sphere.ply"; }
+  static std::string file() { return *folder / "sphere.cuesta"; }
+  static Outcome cuesta(std::vector<std::string> words) { return run(*folder, std::move(words)); }
+  /// Runs `words`, which must succeed, and parses what they print.
+  static json cuesta_json(std::vector<std::string> words) {
+    words.push_back("--json");
+    const Outcome outcome = cuesta(std::move(words));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return json::parse(outcome.out, nullptr, false);
+  }
+  static json exported(const std::string& name, std::vector<std::string> how) {
+    std::vector<std::string> words{"export", file(), "-o", *folder / name};
+    words.insert(words.end(), how.begin(), how.end());
+    return cuesta_json(std::move(words));
+  }
+  static json measured(const std::string& name) {
+    return cuesta_json({"measure", mesh_path(), *folder / name, "--samples", "20000"});
+  }
+  static std::size_t drawn_pixels(const std::string& name) {
+    const auto picture = read_png(*folder / name);
+    if (!picture) return 0;
+    return static_cast<std::size_t>(
+        std::count_if(picture->pixels.begin(), picture->pixels.end(), [](const Rgba8& p) {
+          return p != Rgba8{255, 255, 255, 255};
+        }));
+  }
+
+  static TestFolder* folder;
+  static Outcome built;
+};
+
+TestFolder* CuestaCommand::folder = nullptr;
+Outcome CuestaCommand::built;
+
+TEST_F(CuestaCommand, BuildTellsASummaryAndInfoTheSame) {
+  EXPECT_NE(built.out.find("19,800 triangles"), std::string::npos) << built.out;
+  const json info = cuesta_json({"info", file(), "--pages"});
+  EXPECT_EQ(info["triangles"], 19800);
+  EXPECT_EQ(info["vertices"], 9902);
+  EXPECT_GE(info["rounds"].size(), 2u);
+  EXPECT_EQ(info["pages"].size(), info["page_count"]);
+  EXPECT_EQ(info["metadata"]["input"]["name"], "sphere.ply");
+  EXPECT_EQ(info["metadata"]["read"]["triangles"], 19800);
+  EXPECT_EQ(info["file_bytes"], std::filesystem::file_size(file()));
+  EXPECT_NEAR(info["bounds"]["lo"][0], 8.95, 0.1);
+}
+
+TEST_F(CuestaCommand, ProgressOnNoTerminalIsPlainLines) {
+  EXPECT_EQ(built.err.find('\r'), std::string::npos);
+  EXPECT_EQ(built.err.find('\x1b'), std::string::npos);
+  for (const char* stage : {"read", "clean", "build"})
+    EXPECT_NE(built.err.find(stage), std::string::npos) << stage;
+  EXPECT_EQ(cuesta({"build", mesh_path(), "-o", *folder / "quiet.cuesta", "--quiet"}).err, "");
+}
+
+TEST_F(CuestaCommand, SameBytesForAnyThreadsAndMemory) {
+  const auto other = *folder / "other.cuesta";
+  const auto outcome = cuesta(
+      {"build", mesh_path(), "-o", other, "--cell", "2048", "--threads", "1", "--memory", "1G", "--quiet"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(read_text(other) == read_text(file()));
+}
+
+TEST_F(CuestaCommand, ExportByErrorKeepsIt) {
+  for (const char* error : {"0.05", "0.01", "0.002"}) {
+    const json cut = exported("error.ply", {"--error", error});
+    EXPECT_LE(cut["error_bound"], std::stod(error) * (1 + 1e-12));
+    EXPECT_LE(measured("error.ply")["vertices_of_a_max"], cut["error_bound"]) << error;
+    EXPECT_LT(cut["triangles"], 19800);
+  }
+}
+
+TEST_F(CuestaCommand, ExportByTrianglesKeepsTheCountAndTheBound) {
+  for (const int triangles : {300, 2000, 10000}) {
+    const json cut = exported("count.ply", {"--triangles", std::to_string(triangles)});
+    EXPECT_LE(cut["triangles"], triangles);
+    EXPECT_GE(cut["triangles"], triangles * 9 / 10);
+    EXPECT_LE(measured("count.ply")["vertices_of_a_max"], cut["error_bound"]) << triangles;
+  }
+}
+
+TEST_F(CuestaCommand, FullExportIsTheInputOnTheGrid) {
+  const json cut = exported("full.ply", {"--full"});
+  EXPECT_EQ(cut["triangles"], 19800);
+  EXPECT_EQ(cut["error_bound"], cut["snapping_error"]);
+  EXPECT_LE(measured("full.ply")["symmetric"]["max"], cut["snapping_error"].get<double>() * 1.001);
+}
+
+TEST_F(CuestaCommand, ExportOfAViewIsFinerNearTheEye) {
+  const json near = exported("view.glb", {"--camera", "eye 10,20,31.5 target 10,20,30", "--tau", "0.5"});
+  const json far = exported("view.obj", {"--camera", "eye 10,20,60 target 10,20,30", "--tau", "0.5"});
+  EXPECT_LE(near["error_bound_px"], 0.5);
+  EXPECT_GT(near["triangles"], far["triangles"]);
+}
+
+TEST_F(CuestaCommand, RenderDrawsTheModelInTheMiddle) {
+  const auto outcome =
+      cuesta({"render", file(), "-o", *folder / "still.png", "--size", "320x200", "--quiet"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const auto picture = read_png(*folder / "still.png");
+  ASSERT_TRUE(picture);
+  EXPECT_EQ(picture->width_px, 320);
+  EXPECT_NE(picture->pixels[100 * 320 + 160], (Rgba8{255, 255, 255, 255}));
+  EXPECT_EQ(picture->pixels[0], (Rgba8{255, 255, 255, 255}));
+  // A sphere that fills the height but for a margin covers about 40 % of this picture.
+  EXPECT_GT(drawn_pixels("still.png"), 320u * 200 / 4);
+  EXPECT_LT(drawn_pixels("still.png"), 320u * 200 / 2);
+}
+
+TEST_F(CuestaCommand, FlightGivesFramesStatisticsAndAPlot) {
+  const std::string flight = *folder / "zoom.json", frames = *folder / "zoom";
+  ASSERT_EQ(cuesta({"flight", file(), "--kind", "zoom-in", "--frames", "6", "-o", flight}).status, 0);
+  const auto outcome = cuesta({"render", file(), "--flight", flight, "-o", frames, "--size", "160x100",
+                               "--triangles", "3000", "--adapt-ms", "50"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  for (int i = 0; i < 6; ++i) EXPECT_GT(drawn_pixels("zoom/frame-0000" + std::to_string(i) + ".png"), 1000u);
+  const std::string csv = read_text(frames + "/frames.csv");
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 7);
+  EXPECT_TRUE(csv.starts_with("frame,time_s,triangles,adapt_ms,"));
+  EXPECT_NE(read_text(frames + "/frames.svg").find("<svg"), std::string::npos);
+}
+
+TEST_F(CuestaCommand, StatsOnlyDrawsNothing) {
+  const std::string frames = *folder / "stats";
+  ASSERT_EQ(cuesta({"render", file(), "--orbit", "5", "--stats-only", "-o", frames, "--quiet"}).status, 0);
+  EXPECT_FALSE(std::filesystem::exists(frames + "/frame-00000.png"));
+  EXPECT_TRUE(std::filesystem::exists(frames + "/frames.csv"));
+}
+
+TEST_F(CuestaCommand, ADamagedPageIsToldAndDrawnCoarser) {
+  const auto damaged = *folder / "damaged.cuesta";
+  const json info = cuesta_json({"info", file(), "--pages"});
+  std::string bytes = read_text(file());
+  bytes[info["pages"][0]["offset"].get<std::size_t>() + 100] ^= 0x55;
+  std::ofstream(damaged, std::ios::binary) << bytes;
+  const std::string picture = *folder / "damaged.png";
+  const auto rendered = cuesta({"render", damaged, "-o", picture, "--tau", "0", "--size", "160x100"});
+  EXPECT_EQ(rendered.status, 3) << rendered.err;
+  EXPECT_NE(rendered.err.find("page 0"), std::string::npos) << rendered.err;
+  EXPECT_GT(drawn_pixels("damaged.png"), 1000u);
+  EXPECT_EQ(cuesta({"export", damaged, "-o", *folder / "damaged.ply", "--full"}).status, 3);
+  EXPECT_FALSE(std::filesystem::exists(*folder / "damaged.ply"));
+}
+
+TEST_F(CuestaCommand, ExitStatusesAreThoseDocumented) {
+  const std::string nothing = *folder / "nothing", out = *folder / "out.ply";
+  EXPECT_EQ(cuesta({}).status, 1);
+  EXPECT_EQ(cuesta({"fly"}).status, 1);
+  EXPECT_EQ(cuesta({"build"}).status, 1);
+  EXPECT_EQ(cuesta({"build", mesh_path(), "--memory", "lots"}).status, 1);
+  EXPECT_EQ(cuesta({"export", file(), "-o", out}).status, 1);
+  EXPECT_EQ(cuesta({"export", file(), "-o", out, "--full", "--error", "1"}).status, 1);
+  EXPECT_EQ(cuesta({"render", file(), "--camera", "eye 1,2,3"}).status, 1);
+  EXPECT_EQ(cuesta({"build", nothing}).status, 2);
+  EXPECT_EQ(cuesta({"info", nothing}).status, 2);
+  EXPECT_EQ(cuesta({"render", nothing}).status, 2);
+  EXPECT_EQ(cuesta({"measure", nothing, mesh_path()}).status, 2);
+  EXPECT_EQ(cuesta({"info", mesh_path()}).status, 3);
+  EXPECT_EQ(cuesta({"export", file(), "-o", *folder / "out.txt", "--full"}).status, 5);
+  EXPECT_EQ(cuesta({"build", mesh_path(), "-o", out, "--memory", "2M"}).status, 7);
+  EXPECT_EQ(cuesta({"--version"}).status, 0);
+  EXPECT_EQ(cuesta({"--help"}).status, 0);
+}
+
+TEST_F(CuestaCommand, EveryCommandHelpsWithAnExample) {
+  for (const char* command : {"build", "info", "render", "flight", "export", "measure"}) {
+    const auto outcome = cuesta({command, "--help"});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_NE(outcome.out.find("cuesta " + std::string(command) + " "), std::string::npos) << command;
+    EXPECT_NE(outcome.out.find("Example"), std::string::npos) << command;
+  }
+}
+
+TEST_F(CuestaCommand, AStopDuringABuildLeavesNoFile) {
+  const std::string large = *folder / "large.ply", out = *folder / "large.cuesta";
+  ASSERT_TRUE(write_mesh(large, bumpy_sphere(500, 500)));
+  Program program(*folder, {"build", large, "-o", out, "--cell", "1024", "--threads", "1"});
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!std::filesystem::exists(out + ".part") && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ASSERT_EQ(kill(program.id(), SIGINT), 0);
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.status, 8) << outcome.err;
+  EXPECT_NE(outcome.err.find("cancelled"), std::string::npos) << outcome.err;
+  EXPECT_FALSE(std::filesystem::exists(out));
+  EXPECT_FALSE(std::filesystem::exists(out + ".part"));
+}
+
+}  // namespace
+}  // namespace cuesta::test
