@@ -1,4 +1,5 @@
-# cmake --install: the module libraries with their headers, a package for find_package(cuesta), and the program.
+# cmake --install: the module libraries with their headers, a package for find_package(cuesta).
+# The program installs itself (apps/cuesta).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -12,9 +13,6 @@ endforeach()
 foreach(folder ooc hierarchy runtime terrain)
   install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cuesta FILES_MATCHING PATTERN "*.h")
 endforeach()
-if(TARGET cuesta)
-  install(TARGETS cuesta RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-endif()
 
 install(EXPORT cuesta-targets NAMESPACE cuesta:: DESTINATION ${package_dir})
 configure_package_config_file(cmake/cuesta-config.cmake.in ${PROJECT_BINARY_DIR}/cuesta-config.cmake
