@@ -126,7 +126,7 @@ struct FlightPlan {
     for (int i = 0; i <= parts; ++i) {
       const double t = static_cast<double>(i) / parts;
       const Vec3d eye = centre + along * (reach * (2.1 * t - 1.9)) + frame.up * above;
-      flight.keyframes.push_back(key(seconds * t, eye, eye + along * reach - frame.up * (0.55 * above)));
+      flight.keyframes.push_back(key(seconds * t, eye, centre + along * (reach * (1.3 * t - 0.5))));
     }
   }
 };

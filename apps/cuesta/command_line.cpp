@@ -83,7 +83,7 @@ std::function<bool(const std::string&)> one_of(std::map<std::string, T> choices,
 }
 
 CLI::Option* add_path(CLI::App* app, const char* name, std::filesystem::path& where, const char* what) {
-  return app->add_option(name, where, what)->type_name("FILE");
+  return app->add_option(name, where, what)->type_name(name[0] == '-' ? "FILE" : "");
 }
 
 void add_threads(CLI::App* app, Common& common) {

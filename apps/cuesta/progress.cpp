@@ -86,9 +86,9 @@ void Progress::print(double now_ms, bool last) {
   std::fflush(stream_);
 }
 
-void Progress::finish() {
+void Progress::close(bool done) {
   if (open_ && !quiet_) {
-    if (total_ > 0 && !stop_requested()) done_ = total_;
+    if (done) done_ = total_;
     print(clock_ms(), true);
   }
   open_ = false;

@@ -16,16 +16,17 @@ enum class Unit : std::uint8_t { none, bytes, triangles, pages, frames };
 class Progress {
  public:
   explicit Progress(bool quiet, std::FILE* stream = stderr);
-  ~Progress() { finish(); }
+  ~Progress() { close(false); }  ///< a stage that is still open was not finished
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
   /// @return false if the user asked to stop: the work should end with ErrorCode::cancelled.
   bool update(std::string_view stage, Unit unit, std::uint64_t done, std::uint64_t total);
-  /// Ends the current stage and its line.
-  void finish();
+  /// The current stage is done: ends its line.
+  void finish() { close(true); }
 
  private:
+  void close(bool done);
   void begin(std::string_view stage, Unit unit, double now_ms);
   std::string line(double now_ms) const;
   void print(double now_ms, bool last);

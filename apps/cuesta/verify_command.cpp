@@ -59,6 +59,7 @@ std::string json_text(const VerifySettings& s, const VerifyReport& r) {
                     {"pages", r.pages},
                     {"fans", r.fans},
                     {"substitutions", r.substitutions},
+                    {"topology_let_go", r.topology_let_go},
                     {"sample_cuts", r.cuts},
                     {"least_cosine", r.least_cosine},
                     {"median_bound_ratio", r.median_bound_ratio}};
@@ -84,6 +85,9 @@ std::string table(const VerifySettings& s, const VerifyReport& r) {
                                                  : with_commas(r.found[c]) + " violations";
     text += fmt::format("  {:<56}{}\n", meaning(check), state);
   }
+  if (r.topology_let_go > 0)
+    text += fmt::format("  {} substitutions let topology go, where little but handles and holes is left\n",
+                        with_commas(r.topology_let_go));
   if (r.median_bound_ratio > 0)
     text +=
         fmt::format("  reported errors are {:.3g} times the measured ones (median)\n", r.median_bound_ratio);
