@@ -29,14 +29,16 @@ class Extraction {
  private:
   std::uint32_t vertex(std::uint32_t slot) {
     std::uint32_t& number = number_[slot];
-    if (number == not_used) number = add(list_.vertices[slot]);
+    if (number == not_used) number = add(slot);
     return number;
   }
 
-  std::uint32_t add(const DrawVertex& v) {
+  std::uint32_t add(std::uint32_t slot) {
+    const DrawVertex& v = list_.vertices[slot];
     mesh_.positions.push_back(list_.grid.world({v.x, v.y, v.z}));
     if (options_.normals) mesh_.normals.push_back(decode_oct({v.normal_u, v.normal_v}, 16));
     if (options_.colours) mesh_.colours.push_back(v.colour);
+    if (!list_.texcoords.empty()) mesh_.texcoords.push_back(list_.texcoords[slot]);
     return static_cast<std::uint32_t>(mesh_.positions.size() - 1);
   }
 

@@ -13,7 +13,7 @@ struct ExtractOptions {
 };
 
 /// Drawn triangles with the vertices they use, numbered by first use; positions in world f64, exact up to the
-/// rounding of origin + step · grid. Texture coordinates are not in the pools, so they do not come out.
+/// rounding of origin + step · grid. Texture coordinates come out when the list has them.
 /// @error out_of_budget above 2^32 - 2 vertices.
 /// @cost O(vertex slots + drawn triangles); 4 bytes per slot beyond the result.
 Result<SurfaceMesh> extract_mesh(const DrawList& list, const ExtractOptions& options = {});
