@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace cuesta {
 namespace {
@@ -41,6 +42,27 @@ void join_wedges(const Script& script, std::span<const Vec3i> positions, std::ve
 }
 
 }  // namespace
+
+std::uint32_t loop_count(std::span<const std::array<std::uint32_t, 3>> triangles,
+                         std::span<const std::uint32_t> point) {
+  std::vector<std::uint32_t> component(point.size());
+  std::iota(component.begin(), component.end(), 0u);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const auto& t : triangles)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t a = point[t[i]], b = point[t[(i + 1) % 3]];
+      edges.emplace_back(std::min(a, b), std::max(a, b));
+      join(component, a, b);
+    }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  // Points less components: each step that joins two of them takes one.
+  std::int64_t joins = 0;
+  for (std::uint32_t p = 0; p < component.size(); ++p) joins += component[p] != p;
+  const auto loops =
+      static_cast<std::int64_t>(edges.size()) - static_cast<std::int64_t>(triangles.size()) - joins;
+  return static_cast<std::uint32_t>(std::max<std::int64_t>(0, loops));
+}
 
 ReplayMesh::ReplayMesh(const Page& page, std::span<const Vec3i> positions)
     : positions_(positions),

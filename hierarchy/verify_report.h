@@ -40,8 +40,10 @@ struct VerifyReport {
   std::uint64_t pages = 0;
   std::uint64_t fans = 0;
   std::uint64_t substitutions = 0;  ///< wedges that move together count once
-  std::uint64_t cuts = 0;           ///< sample cuts whose topology and error were checked
-  double least_cosine = 1;          ///< of a triangle's normals before and after a substitution
+  std::uint64_t topology_let_go =
+      0;                    ///< of these: such that sheets touch or handles close, where little else is left
+  std::uint64_t cuts = 0;   ///< sample cuts whose topology and error were checked
+  double least_cosine = 1;  ///< of a triangle's normals before and after a substitution
   double median_bound_ratio =
       0;  ///< reported bound over measured distance, over uniform cuts; 0: none measured
   std::array<std::uint64_t, check_count> found{};  ///< violations by check, also those not kept in `findings`

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "hierarchy/replay_mesh.h"
+#include "hierarchy/seam_groups.h"
 
 namespace cuesta {
 namespace {
@@ -26,6 +27,10 @@ class ScriptCheck {
         mesh_(page, positions) {}
 
   PageSurvivors run() {
+    // Seams that the script never moves look like holes to the one count, sheets that touch join in the
+    // other.
+    loops_ = std::max(loop_count(page_.triangles, mesh_.points()),
+                      loop_count(page_.triangles, seam_groups(positions_, page_.triangles)));
     for (const Fan& fan : page_.script.fans) check_fan(fan);
     report_.fans += page_.script.fans.size();
     return survivors();
@@ -62,13 +67,15 @@ class ScriptCheck {
   }
 
   void check_move(std::span<const Child> run, std::uint32_t u, std::uint32_t v) {
+    const auto dying = mesh_.edge_triangles(u, v);
     check_wedges(run, u);
-    check_link(run[0], u, v);
+    if (dying == 0) illegal(run[0], " removes no triangle");
+    if (loose())
+      report_.topology_let_go += !links_kept(u, v) || doubled(u, v) || dying > 2;
+    else
+      check_link(run[0], u, v, dying);
     check_patch(run, u, v);
-    const std::uint32_t died = mesh_.substitute(run);
-    removed_ += died;
-    if (died == 0 || died > 2)
-      illegal(run[0], " removes " + std::to_string(died) + " triangles, not one or two");
+    removed_ += mesh_.substitute(run);
   }
 
   /// A whole component goes into the centre: its triangles vanish, and those around the centre stand for it.
@@ -99,9 +106,19 @@ class ScriptCheck {
       }
   }
 
+  bool loose() const {
+    return page_.triangles.size() - removed_ < std::uint64_t{triangles_per_loop} * loops_;
+  }
+
+  void check_link(const Child& child, std::uint32_t u, std::uint32_t v, std::uint32_t dying) {
+    if (dying > 2) illegal(child, " removes " + std::to_string(dying) + " triangles, not one or two");
+    if (!links_kept(u, v)) illegal(child, " breaks the link condition");
+    if (doubled(u, v)) illegal(child, " puts a triangle onto another");
+  }
+
   /// Points joined to both are the third corners of the triangles between u and v, and no others; except that
   /// a border loop of three edges may close.
-  void check_link(const Child& child, std::uint32_t u, std::uint32_t v) {
+  bool links_kept(std::uint32_t u, std::uint32_t v) {
     const auto a = mesh_.ring(u), b = mesh_.ring(v);
     std::vector<std::uint32_t> common, between, more;
     std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
@@ -113,22 +130,19 @@ class ScriptCheck {
     std::sort(between.begin(), between.end());
     std::set_difference(common.begin(), common.end(), between.begin(), between.end(),
                         std::back_inserter(more));
-    const bool closes_loop = more.size() == 1 && between.size() == 1 &&
-                             mesh_.edge_triangles(u, more[0]) == 1 && mesh_.edge_triangles(v, more[0]) == 1;
-    if (!more.empty() && !closes_loop) illegal(child, " breaks the link condition");
-    check_doubles(child, u, v);
+    return more.empty() || (more.size() == 1 && between.size() == 1 &&
+                            mesh_.edge_triangles(u, more[0]) == 1 && mesh_.edge_triangles(v, more[0]) == 1);
   }
 
-  /// No triangle may land on one that is there, as when a tetrahedron is flattened.
-  void check_doubles(const Child& child, std::uint32_t u, std::uint32_t v) {
+  /// Would a triangle land on one that is there, as when a tetrahedron is flattened?
+  bool doubled(std::uint32_t u, std::uint32_t v) {
     for (std::uint32_t t : mesh_.star(u)) {
       if (mesh_.has_point(t, v)) continue;
       const auto base = other_points(t, u);
       for (std::uint32_t s : mesh_.star(v))
-        if (!mesh_.has_point(s, u) && other_points(s, v) == base)
-          return illegal(child,
-                         " puts triangle " + std::to_string(t) + " onto triangle " + std::to_string(s));
+        if (!mesh_.has_point(s, u) && other_points(s, v) == base) return true;
     }
+    return false;
   }
 
   std::pair<std::uint32_t, std::uint32_t> other_points(std::uint32_t t, std::uint32_t p) const {
@@ -230,7 +244,7 @@ class ScriptCheck {
   ReplayMesh mesh_;
   Sphere sphere_;
   std::uint64_t number_ = 0;
-  std::uint32_t removed_ = 0;
+  std::uint32_t removed_ = 0, loops_ = 0;
   std::vector<std::uint32_t> changed_;
 };
 

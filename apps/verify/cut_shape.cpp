@@ -97,21 +97,31 @@ std::vector<ComponentShape> SurfaceShape::shapes_of(std::span<const Triangle> tr
   return shapes;
 }
 
-std::vector<std::string> SurfaceShape::complaints(std::span<const Triangle> cut) const {
+/// Substitutions keep the parity of edges: an odd one away from the border is a crack, whatever touches
+/// whatever. Where topology was let go a border may have moved inwards, to any point of its component.
+std::uint64_t SurfaceShape::torn_edges(std::span<const Edge> edges, bool topology_kept) const {
+  std::uint64_t torn = 0;
+  for_each_edge(edges, [&](const Edge& e, std::size_t n, bool) {
+    const bool border =
+        topology_kept ? at_border_[e.low] && at_border_[e.high] : full_[component_[e.low]].border_edges > 0;
+    torn += n % 2 == 1 && !border;
+  });
+  return torn;
+}
+
+std::vector<std::string> SurfaceShape::complaints(std::span<const Triangle> cut, bool topology_kept) const {
   const auto edges = sorted_edges(cut);
   const auto shapes = shapes_of(cut, edges);
   std::vector<std::string> out;
-  std::uint64_t torn = 0;
-  for_each_edge(edges, [&](const Edge& e, std::size_t n, bool) {
-    torn += n == 1 && !(at_border_[e.low] && at_border_[e.high]);
-  });
-  if (torn > 0) out.push_back(std::to_string(torn) + " border edges where the full surface has no border");
+  if (const std::uint64_t torn = torn_edges(edges, topology_kept); torn > 0)
+    out.push_back(std::to_string(torn) + " border edges where the full surface has no border");
   for (std::size_t c = 0; c < shapes.size(); ++c) {
     const ComponentShape &now = shapes[c], &full = full_[c];
     const std::string where = " in component " + std::to_string(c);
     if (now.border_edges > full.border_edges)
       out.push_back(std::to_string(now.border_edges) + " border edges" + where + ", the full surface has " +
                     std::to_string(full.border_edges));
+    if (!topology_kept) continue;
     if (now.irregular_edges > full.irregular_edges)
       out.push_back(std::to_string(now.irregular_edges) + " non-manifold edges" + where);
     else if (full.border_edges == 0 && now.triangles > 0 && now.euler != full.euler)

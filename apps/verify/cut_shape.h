@@ -29,15 +29,17 @@ class SurfaceShape {
   SurfaceShape(std::span<const Vec3i> positions, std::span<const Triangle> full);
 
   std::span<const ComponentShape> components() const { return full_; }
-  /// Sentences for what a cut has that the full surface has not: cracks, irregular edges, another Euler
-  /// characteristic of a closed component. Components may be absent, and border loops may close.
-  std::vector<std::string> complaints(std::span<const Triangle> cut) const;
+  /// Sentences for what a cut has that the full surface has not: cracks; and where topology is kept,
+  /// irregular edges and another Euler characteristic of a closed component. Components may be absent, and
+  /// border loops may close.
+  std::vector<std::string> complaints(std::span<const Triangle> cut, bool topology_kept) const;
 
  private:
   struct Edge;
   std::vector<Edge> sorted_edges(std::span<const Triangle> triangles) const;
   std::vector<ComponentShape> shapes_of(std::span<const Triangle> triangles,
                                         std::span<const Edge> edges) const;
+  std::uint64_t torn_edges(std::span<const Edge> edges, bool topology_kept) const;
   void find_components(std::span<const Triangle> full);
 
   std::vector<std::uint32_t> point_;      // per slot

@@ -156,7 +156,7 @@ class CutSampler {
     ++report_.cuts;
     const std::string where = sample.name + ", tau " + std::to_string(sample.tau) + ", " +
                               std::to_string(triangles->size()) + " triangles: ";
-    for (const std::string& complaint : shape.complaints(*triangles))
+    for (const std::string& complaint : shape.complaints(*triangles, report_.topology_let_go == 0))
       report_.add(Check::crack_free, no_page, triangles->size(), where + complaint);
     if (last_.achieved > sample.tau)
       report_.add(Check::honest_error, no_page, triangles->size(),

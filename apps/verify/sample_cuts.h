@@ -13,6 +13,7 @@ struct SampleOptions {
   std::uint64_t max_triangles = 8'000'000;
 };
 
+/// Where `report` counts substitutions that let topology go, cuts are only held to having no cracks.
 /// Adds to `report`: violations, the number of cuts, the median ratio of bound to measured distance, or why
 /// cuts were left out. Uniform: each original vertex is within the reported error of the cut. View-dependent:
 /// the same in pixels as seen from the eye. Parallel in the calling TBB arena.

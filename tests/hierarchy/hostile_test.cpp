@@ -1,0 +1,161 @@
+/// Pages, directories and containers from hostile bytes: an error or a valid object, never a crash.
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "hierarchy/verify_file.h"
+#include "tests/hierarchy/rewritten_file.h"
+#include "tests/hierarchy/surfaces.h"
+
+namespace cuesta::test {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+bool same(const Page& a, const Page& b) {
+  return encode_page(a) == encode_page(b);
+}
+
+void flip(Bytes& bytes, std::size_t at, int bit) {
+  bytes[at] ^= static_cast<std::byte>(1 << bit);
+}
+
+class Hostile : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    SurfaceMesh surface;
+    for (const NamedSurface& s : surfaces())
+      if (s.name == std::string(GetParam())) surface = s.make();
+    build_file(std::move(surface), folder_ / "a.cuesta");
+    good_ = contents_of(folder_ / "a.cuesta");
+    ASSERT_FALSE(good_.pages.empty());
+  }
+  TemporaryFolder folder_;
+  Contents good_;
+};
+
+TEST_P(Hostile, page_round_trip) {
+  for (const Page& page : good_.pages) {
+    const Bytes bytes = encode_page(page);
+    const auto again = decode_page(bytes);
+    ASSERT_TRUE(again) << again.error().text();
+    EXPECT_TRUE(same(page, *again));
+    EXPECT_EQ(again->triangles, page.triangles);
+    EXPECT_EQ(again->owned.positions, page.owned.positions);
+    EXPECT_EQ(again->owned.texcoords, page.owned.texcoords);
+    EXPECT_EQ(again->orphans, page.orphans);
+  }
+}
+
+TEST_P(Hostile, page_cut_off_at_every_byte) {
+  const Bytes bytes = encode_page(good_.pages.front());
+  for (std::size_t n = 0; n < bytes.size(); ++n)
+    EXPECT_FALSE(decode_page(std::span(bytes).first(n))) << n << " of " << bytes.size() << " bytes";
+}
+
+TEST_P(Hostile, page_with_a_flipped_bit) {
+  constexpr std::size_t header = 30;
+  for (const Page& page : {good_.pages.front(), good_.pages.back()}) {
+    Bytes bytes = encode_page(page);
+    const std::size_t step = bytes.size() / 1500 + 1;
+    for (std::size_t at = 0; at < bytes.size(); at += at < header ? 1 : step)
+      for (int bit = 0; bit < 8; ++bit) {
+        flip(bytes, at, bit);
+        if (const auto got = decode_page(bytes)) encode_page(*got);
+        flip(bytes, at, bit);
+      }
+  }
+}
+
+/// Checksums are right, contents are not: the replay must survive what the decoder lets through.
+TEST_P(Hostile, flipped_pages_are_replayed_without_a_crash) {
+  std::mt19937 random(1);
+  const std::size_t victim = good_.pages.size() / 2;
+  const Bytes bytes = encode_page(good_.pages[victim]);
+  for (int i = 0; i < 200; ++i) {
+    Bytes flipped = bytes;
+    flip(flipped, 30 + random() % (bytes.size() - 30), static_cast<int>(random() % 8));
+    auto page = decode_page(flipped);
+    if (!page || page->vertex_count != good_.pages[victim].vertex_count) continue;
+    Contents contents = good_;
+    contents.pages[victim] = std::move(*page);
+    write_contents(contents, folder_ / "flipped.cuesta");
+    const auto file = CuestaFile::open(folder_ / "flipped.cuesta");
+    ASSERT_TRUE(file);
+    EXPECT_TRUE(verify_file(*file));
+  }
+}
+
+TEST_P(Hostile, directory_round_trip_cut_off_and_flipped) {
+  Bytes bytes = encode_directory(good_.directory);
+  const auto again = decode_directory(bytes);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(encode_directory(*again), bytes);
+  for (std::size_t n = 0; n < bytes.size(); ++n) EXPECT_FALSE(decode_directory(std::span(bytes).first(n)));
+  for (std::size_t at = 0; at < bytes.size(); ++at)
+    for (int bit = 0; bit < 8; ++bit) {
+      flip(bytes, at, bit);
+      if (const auto got = decode_directory(bytes)) encode_directory(*got);
+      flip(bytes, at, bit);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(of, Hostile, testing::Values("sphere", "cube", "vase", "triangle"),
+                         [](const auto& s) { return std::string(s.param); });
+
+class Container : public testing::Test {
+ protected:
+  void SetUp() override {
+    build_file(bumpy_sphere(6), folder_ / "a.cuesta");
+    bytes_ = bytes_of(folder_ / "a.cuesta");
+  }
+  ErrorCode code_of(const std::string& bytes) {
+    put_bytes(folder_ / "b.cuesta", bytes);
+    const auto file = CuestaFile::open(folder_ / "b.cuesta");
+    EXPECT_FALSE(file);
+    return file ? ErrorCode::io : file.error().code;
+  }
+  TemporaryFolder folder_;
+  std::string bytes_;
+};
+
+TEST_F(Container, cut_off_at_every_byte) {
+  for (std::size_t n = 0; n < bytes_.size(); n += n < 200 ? 1 : 37)
+    EXPECT_EQ(code_of(bytes_.substr(0, n)), ErrorCode::corrupt);
+}
+
+TEST_F(Container, appended_to) {
+  EXPECT_EQ(code_of(bytes_ + "x"), ErrorCode::corrupt);
+}
+
+TEST_F(Container, every_bit_of_the_header) {
+  for (std::size_t at = 0; at < 64; ++at)
+    for (int bit = 0; bit < 8; ++bit) {
+      std::string bad = bytes_;
+      bad[at] = static_cast<char>(bad[at] ^ (1 << bit));
+      EXPECT_EQ(code_of(bad), at >= 8 && at < 12 ? ErrorCode::unsupported_version : ErrorCode::corrupt) << at;
+    }
+}
+
+TEST_F(Container, another_file_a_folder_and_nothing) {
+  EXPECT_EQ(code_of("ply\nformat ascii 1.0\n"), ErrorCode::corrupt);
+  EXPECT_EQ(code_of(""), ErrorCode::corrupt);
+  EXPECT_EQ(CuestaFile::open(folder_ / "missing.cuesta").error().code, ErrorCode::not_found);
+  EXPECT_EQ(CuestaFile::open(folder_ / "").error().code, ErrorCode::invalid_input);
+}
+
+TEST_F(Container, blocks_are_aligned_and_checked) {
+  const auto file = CuestaFile::open(folder_ / "a.cuesta");
+  ASSERT_TRUE(file);
+  for (const PageEntry& e : file->directory().pages) EXPECT_EQ(e.block.offset % container_alignment, 0u);
+  const auto reader = ContainerReader::open(folder_ / "a.cuesta");
+  BlockRef beyond = file->directory().pages[0].block;
+  beyond.bytes = ~std::uint64_t{0};
+  EXPECT_EQ(reader->read(beyond).error().code, ErrorCode::corrupt);
+  beyond.offset = ~std::uint64_t{0};
+  EXPECT_EQ(reader->read(beyond).error().code, ErrorCode::corrupt);
+}
+
+}  // namespace
+}  // namespace cuesta::test

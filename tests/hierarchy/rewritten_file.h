@@ -1,0 +1,36 @@
+#pragma once
+/// A .cuesta file whose pages and directory were changed by hand and sealed again: every checksum is right.
+
+#include <functional>
+
+#include "hierarchy/page_codec.h"
+#include "tests/hierarchy/built_file.h"
+
+namespace cuesta::test {
+
+struct Contents {
+  Directory directory;
+  std::vector<Page> pages;
+};
+
+inline Contents contents_of(const std::filesystem::path& path) {
+  Contents out;
+  const auto file = CuestaFile::open(path);
+  if (!file) return out;
+  out.directory = file->directory();
+  for (PageId id = 0; id < out.directory.pages.size(); ++id) out.pages.push_back(file->read_page(id).value());
+  return out;
+}
+
+inline void write_contents(Contents contents, const std::filesystem::path& path) {
+  auto writer = ContainerWriter::create(path);
+  ASSERT_TRUE(writer);
+  for (PageId id = 0; id < contents.pages.size(); ++id) {
+    const auto ref = writer->append(encode_page(contents.pages[id]));
+    ASSERT_TRUE(ref);
+    contents.directory.pages[id].block = *ref;
+  }
+  ASSERT_TRUE(writer->finish(encode_directory(contents.directory)));
+}
+
+}  // namespace cuesta::test
