@@ -50,10 +50,12 @@ struct Fan {
   SphereCode sphere;
 };
 
-/// Fans in an order in which they can be applied.
+/// Fans in an order in which they can be applied. The first `strict_fans` of them satisfy the link condition; after
+/// them the surface is mostly handles and holes, and topology is let go.
 struct Script {
   std::vector<Fan> fans;
   std::vector<Child> children;
+  std::uint32_t strict_fans = 0;
 };
 
 /// What is left of a cell: surviving triangles (ascending local numbers) with their corners, births and samples.

@@ -13,7 +13,8 @@
 #include "ooc/check.h"
 
 // Layout of a page (all little-endian; docs/format.md):
-//   u8 codec version, u8 flags, u32 round, u32 vertices, u32 triangles, u32 owned, u32 fans, u32 children, u32 sources,
+//   u8 codec version, u8 flags, u32 round, u32 vertices, u32 triangles, u32 owned, u32 fans, u32 strict fans,
+//   u32 children, u32 sources,
 //   then for each stream in PageStream order: varint raw bytes, varint stored bytes, stored bytes (zstd, or raw when
 //   the two sizes are equal).
 
@@ -28,7 +29,7 @@ using Bytes = std::vector<std::byte>;
 
 struct Counts {
   std::uint8_t flags = 0;
-  std::uint32_t round = 0, vertices = 0, triangles = 0, owned = 0, fans = 0, children = 0, sources = 0;
+  std::uint32_t round = 0, vertices = 0, triangles = 0, owned = 0, fans = 0, strict_fans = 0, children = 0, sources = 0;
 };
 
 bool has_wedges(const Page& page) {
@@ -50,6 +51,7 @@ Counts counts_of(const Page& page) {
   c.triangles = static_cast<std::uint32_t>(page.triangles.size());
   c.owned = static_cast<std::uint32_t>(page.owned.positions.size());
   c.fans = static_cast<std::uint32_t>(page.script.fans.size());
+  c.strict_fans = page.script.strict_fans;
   c.children = static_cast<std::uint32_t>(page.script.children.size());
   c.sources = static_cast<std::uint32_t>(page.sources.size());
   return c;
@@ -249,11 +251,11 @@ Result<Counts> read_counts(ByteReader& r) {
                 "page codec " + std::to_string(version) + ", this program reads " + std::to_string(codec_version));
   Counts n;
   n.flags = r.get<std::uint8_t>();
-  for (auto* field : {&n.round, &n.vertices, &n.triangles, &n.owned, &n.fans, &n.children, &n.sources})
+  for (auto* field : {&n.round, &n.vertices, &n.triangles, &n.owned, &n.fans, &n.strict_fans, &n.children, &n.sources})
     *field = r.get<std::uint32_t>();
   if (!r.ok()) return corrupt("the page ends within its header");
   for (auto count : {n.vertices, n.triangles, n.owned, n.fans, n.children, n.sources})
-    if (count > max_page_elements) return corrupt("a count of " + std::to_string(count) + " is beyond any page");
+    if (count > max_page_elements || n.strict_fans > n.fans) return corrupt("a count of " + std::to_string(count) + " is beyond any page");
   return n;
 }
 
@@ -318,7 +320,7 @@ std::vector<std::byte> encode_page(const Page& page, PageStreamBytes* spent) {
   CUESTA_CHECK(n.owned == (page.base ? n.vertices : n.children + page.orphans.size()), n.owned, n.children);
   out.put(codec_version);
   out.put(n.flags);
-  for (auto field : {n.round, n.vertices, n.triangles, n.owned, n.fans, n.children, n.sources}) out.put(field);
+  for (auto field : {n.round, n.vertices, n.triangles, n.owned, n.fans, n.strict_fans, n.children, n.sources}) out.put(field);
   const auto streams = pack_streams(page);
   for (std::size_t s = 0; s < page_stream_count; ++s) {
     const std::size_t before = out.size();
@@ -347,6 +349,7 @@ Result<Page> decode_page(std::span<const std::byte> bytes) {
   page.round = n.round;
   page.base = (n.flags & flag_base) != 0;
   page.vertex_count = n.vertices;
+  page.script.strict_fans = n.strict_fans;
   page.triangles.resize(n.triangles);
   const auto at = [&streams](PageStream s) { return std::span<const std::byte>(streams[static_cast<std::size_t>(s)]); };
   const auto optional_count = [&n](std::uint8_t flag) { return (n.flags & flag) ? n.owned : 0u; };

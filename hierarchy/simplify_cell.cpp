@@ -56,6 +56,7 @@ class FanMerger {
       threshold = std::max(threshold * 2, std::numeric_limits<float>::min());
       std::fill(retry_.begin(), retry_.end(), 0.0f);
     }
+    if (!loose_) result_.script.strict_fans = static_cast<std::uint32_t>(result_.script.fans.size());
     order_children();
     result_.survivors = kernel_.survivors();
     return std::move(result_);
@@ -123,7 +124,9 @@ class FanMerger {
       taken_[v] = pass_stamp_;
       dirty_[v] = 1;
     }
-    // The fans of a pass do not touch each other: their order is free, and this one packs best.
+    // The fans of a pass do not touch each other: their order is free, and this one packs best. (With loose topology
+    // they can, through what they guard.)
+    if (loose_) return done;
     std::sort(result_.script.fans.begin() + static_cast<std::ptrdiff_t>(first_fan), result_.script.fans.end(),
               [](const Fan& a, const Fan& b) { return a.centre < b.centre; });
     return done;
@@ -181,6 +184,7 @@ class FanMerger {
     if (loose_ || kernel_.live_triangles() >= std::uint64_t{triangles_per_loop} * kernel_.loops()) return;
     kernel_.loosen_topology();
     loose_ = true;
+    result_.script.strict_fans = static_cast<std::uint32_t>(result_.script.fans.size());
     std::fill(dirty_.begin(), dirty_.end(), std::uint8_t{1});
   }
 
