@@ -71,7 +71,7 @@ class ScriptCheck {
     check_wedges(run, u);
     if (dying == 0) illegal(run[0], " removes no triangle");
     if (loose())
-      report_.topology_let_go += !links_kept(u, v) || doubled(u, v) || dying > 2;
+      report_.topology_let_go += !links_kept(u, v) || doubled(u, v) || leaves_border(u, v) || dying > 2;
     else
       check_link(run[0], u, v, dying);
     check_patch(run, u, v);
@@ -114,6 +114,7 @@ class ScriptCheck {
     if (dying > 2) illegal(child, " removes " + std::to_string(dying) + " triangles, not one or two");
     if (!links_kept(u, v)) illegal(child, " breaks the link condition");
     if (doubled(u, v)) illegal(child, " puts a triangle onto another");
+    if (leaves_border(u, v)) illegal(child, " goes from a border inwards");
   }
 
   /// Points joined to both are the third corners of the triangles between u and v, and no others; except that
@@ -132,6 +133,16 @@ class ScriptCheck {
                         std::back_inserter(more));
     return more.empty() || (more.size() == 1 && between.size() == 1 &&
                             mesh_.edge_triangles(u, more[0]) == 1 && mesh_.edge_triangles(v, more[0]) == 1);
+  }
+
+  /// Neighbours of u count by position, those of v by point: a seam that the script never moves must not look
+  /// like a border around u, and may do so around v.
+  bool leaves_border(std::uint32_t u, std::uint32_t v) {
+    std::vector<Vec3i> places;
+    for (std::uint32_t q : mesh_.ring(u)) places.push_back(positions_[q]);
+    std::sort(places.begin(), places.end());
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+    return places.size() != mesh_.star(u).size() && mesh_.ring(v).size() == mesh_.star(v).size();
   }
 
   /// Would a triangle land on one that is there, as when a tetrahedron is flattened?
