@@ -1,0 +1,122 @@
+/// The byte budget is hard, the cut stays whole without pages, and scales are monotone.
+
+#include "runtime/page_cache.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "apps/verify/cut_shape.h"
+#include "hierarchy/bounding_sphere.h"
+#include "tests/runtime/open_file.h"
+
+namespace cuesta::test {
+namespace {
+
+/// Bytes of the base page, and of all pages.
+std::pair<std::uint64_t, std::uint64_t> resident_range(const std::filesystem::path& path) {
+  const auto cut = open_cut(path);
+  const std::uint64_t base = cut->cache().resident_bytes();
+  return {base, cut->settle(ErrorScale::uniform(cut->directory().grid), -1, {}).resident_bytes};
+}
+
+TEST(PageCache, random_flights_never_exceed_the_budget) {
+  TemporaryFolder folder;
+  build_file(bumpy_sphere(40), folder / "a.cuesta");
+  const auto [base, all] = resident_range(folder / "a.cuesta");
+  for (const double share : {0.02, 0.2, 0.5, 0.9}) {
+    const std::uint64_t budget = base + static_cast<std::uint64_t>(share * static_cast<double>(all - base));
+    const auto cut = open_cut(folder / "a.cuesta", budget);
+    ASSERT_TRUE(cut);
+    std::mt19937 random(11);
+    for (int frame = 0; frame < 200; ++frame) {
+      const View view = random_view(cut->directory(), random);
+      const auto report = cut->adapt(ErrorScale::perspective(cut->directory().grid, view, 4), 0.5, {});
+      ASSERT_LE(report.resident_bytes, budget) << "seed 11, frame " << frame;
+      std::uint64_t sum = 0;
+      for (PageId id : cut->cache().resident_ids()) sum += cut->cache().resident(id)->bytes();
+      ASSERT_EQ(sum, report.resident_bytes);
+    }
+    EXPECT_GT(cut->cache().counters().evictions + cut->cache().counters().refused_for_budget, 0u);
+  }
+}
+
+/// I1: a missing page or an exhausted budget costs quality, never a hole.
+TEST(PageCache, crack_free_whatever_is_resident) {
+  TemporaryFolder folder;
+  build_file(faceted_cube(24), folder / "a.cuesta");
+  const auto [base, all] = resident_range(folder / "a.cuesta");
+  const auto cut = open_cut(folder / "a.cuesta", base + (all - base) / 3);
+  std::mt19937 random(12);
+  for (int frame = 0; frame < 100; ++frame) {
+    const View view = random_view(cut->directory(), random);
+    cut->adapt(ErrorScale::perspective(cut->directory().grid, view), 0.5, {});
+    const DrawList list = cut->draw_list();
+    std::vector<Vec3i> positions;
+    for (const DrawVertex& v : list.vertices) positions.push_back({v.x, v.y, v.z});
+    std::vector<verify::Triangle> triangles;
+    for (const Range& r : list.draws)
+      for (std::uint32_t i = r.first; i < r.first + r.count; i += 3)
+        triangles.push_back({list.indices[i], list.indices[i + 1], list.indices[i + 2]});
+    const verify::SurfaceShape shape(positions, triangles);
+    for (const auto& component : shape.components())
+      ASSERT_EQ(component.border_edges, 0u) << "seed 12, frame " << frame;
+  }
+}
+
+TEST(PageCache, base_page_larger_than_the_budget) {
+  TemporaryFolder folder;
+  build_file(bumpy_sphere(10), folder / "a.cuesta");
+  auto cache = PageCache::open(CuestaFile::open(folder / "a.cuesta").value(), 100);
+  ASSERT_FALSE(cache);
+  EXPECT_EQ(cache.error().code, ErrorCode::out_of_budget);
+}
+
+TEST(PageCache, an_unreadable_page_is_drawn_coarser) {
+  TemporaryFolder folder;
+  build_file(bumpy_sphere(24), folder / "a.cuesta");
+  std::string bytes = bytes_of(folder / "a.cuesta");
+  bytes[CuestaFile::open(folder / "a.cuesta")->directory().pages[0].block.offset + 50] ^= 4;
+  put_bytes(folder / "a.cuesta", bytes);
+  const auto cut = open_cut(folder / "a.cuesta");
+  const auto report = cut->settle(ErrorScale::uniform(cut->directory().grid), -1, {});
+  EXPECT_TRUE(report.settled);
+  EXPECT_EQ(cut->cache().errors().size(), 1u);
+  EXPECT_LT(report.triangles, cut->directory().triangles);
+  EXPECT_GT(report.achieved, 0);
+}
+
+/// A sphere inside another never has the smaller scale: with and without the frustum's factor, near and far.
+TEST(ErrorScale, monotone_for_nested_spheres) {
+  std::mt19937 random(13);
+  const auto unit = [&random] { return static_cast<float>(random() >> 8) / (1 << 24); };
+  const Grid grid{{-3, 5, 100}, 0.25};
+  for (int i = 0; i < 20000; ++i) {
+    View view;
+    view.eye = {400.0 * unit(), 400.0 * unit(), 400.0 * unit()};
+    view.target = view.eye + Vec3d{unit() - 0.5, unit() - 0.5, unit() - 0.45};
+    view.width_px = 100 + static_cast<int>(random() % 4000);
+    const auto scale = ErrorScale::perspective(grid, view, 1 + 7.0 * (i % 2));
+    const Vec3i at{static_cast<int>(random() % 2000), static_cast<int>(random() % 2000),
+                   static_cast<int>(random() % 2000)};
+    const Sphere inner{vec_cast<float>(at) + Vec3f{unit(), unit(), unit()} * 50.0f, 40 * unit() * unit()};
+    const Sphere outer = decode_sphere(enclose(std::span(&inner, 1), at), at);
+    ASSERT_TRUE(contains(outer, inner));
+    ASSERT_LE(scale.scale(outer), scale.scale(inner)) << "seed 13, case " << i;
+    ASSERT_GE(scale.sse(2, outer), scale.sse(1, inner));
+  }
+}
+
+TEST(ErrorScale, by_hand) {
+  const Grid grid{{0, 0, 0}, 0.5};
+  EXPECT_DOUBLE_EQ(ErrorScale::uniform(grid).sse(3, {}), 1.5);
+  View view;  // at the origin, along -z, 720 pixels for 60 degrees
+  const auto scale = ErrorScale::perspective(grid, view);
+  // One grid unit at 90 grid units: k / 90 pixels.
+  EXPECT_NEAR(scale.sse(1, {{0, 0, -100}, 10}), view.pixels_per_unit() / 90, 1e-9);
+  EXPECT_EQ(scale.sse(0, {{0, 0, 0}, 10}), 0);
+  EXPECT_EQ(scale.sse(1, {{0, 0, 5}, 10}), std::numeric_limits<double>::infinity());
+}
+
+}  // namespace
+}  // namespace cuesta::test
