@@ -94,6 +94,8 @@ CellOutput run_cell(Cell cell, const GridMesh& mesh, std::uint32_t round, bool b
   page.vertex_count = static_cast<std::uint32_t>(cell.vertices.size());
   page.triangles = cell.mesh.triangles;
   page.sources = std::move(cell.sources);
+  for (std::uint32_t v = 0; v < page.vertex_count; ++v)
+    if (cell.mesh.wedge_group[v] != v) page.wedge_tails.push_back(v);
   const std::vector<Vec3i> positions = cell.mesh.positions;
   SimplifyOptions simplify;
   simplify.target_triangles =

@@ -42,6 +42,7 @@ struct Page {
   bool base = false;               ///< the coarsest page: owns its survivors too
   std::uint32_t vertex_count = 0;
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< lowest vertex first
+  std::vector<std::uint32_t> wedge_tails;  ///< ascending: vertices in the wedge group of the vertex before them
   Script script;
   std::vector<std::uint32_t> orphans;  ///< ascending; neither removed nor used by a surviving triangle
   OwnedVertices owned;

@@ -135,7 +135,7 @@ std::array<Bytes, page_stream_count> pack_streams(const Page& page) {
   at(PageStream::child_errors) = errors.take();
   at(PageStream::child_wedges) = wedges.take();
 
-  ByteWriter orphans, source_triangles, source_vertices;
+  ByteWriter tails, orphans, source_triangles, source_vertices;
   const auto put_ascending = [](ByteWriter& w, const std::vector<std::uint32_t>& v) {
     std::uint32_t next = 0;
     for (std::uint32_t x : v) {
@@ -143,6 +143,9 @@ std::array<Bytes, page_stream_count> pack_streams(const Page& page) {
       next = x + 1;
     }
   };
+  tails.put_varint(page.wedge_tails.size());
+  put_ascending(tails, page.wedge_tails);
+  at(PageStream::wedge_tails) = tails.take();
   orphans.put_varint(page.orphans.size());
   put_ascending(orphans, page.orphans);
   at(PageStream::orphans) = orphans.take();
@@ -219,6 +222,13 @@ bool unpack_script(const std::array<Bytes, page_stream_count>& in, const Counts&
          spheres.at_end() && vertices.at_end() && errors.at_end() && wedges.at_end();
 }
 
+bool unpack_wedge_tails(std::span<const std::byte> in, Page& page) {
+  ByteReader r(in);
+  const auto& tails = page.wedge_tails;
+  return get_ascending(r, r.get_varint(), page.wedge_tails) && r.at_end() &&
+         (tails.empty() || (tails.front() > 0 && tails.back() < page.vertex_count));
+}
+
 bool unpack_sources(const std::array<Bytes, page_stream_count>& in, const Counts& n, Page& page) {
   ByteReader triangles(in[static_cast<std::size_t>(PageStream::source_triangles)]);
   ByteReader vertices(in[static_cast<std::size_t>(PageStream::source_vertices)]);
@@ -273,6 +283,7 @@ std::uint64_t raw_bound(PageStream s, const Counts& n) {
     case PageStream::child_vertices:
     case PageStream::child_errors:
     case PageStream::child_wedges: return std::uint64_t{10} * n.children;
+    case PageStream::wedge_tails: return 10 + std::uint64_t{10} * n.vertices;
     case PageStream::orphans: return 10 + std::uint64_t{10} * n.owned;
     case PageStream::source_triangles: return std::uint64_t{20} * n.sources + std::uint64_t{10} * n.triangles;
     // A vertex can be shared by several sources; four on average is beyond any mesh.
@@ -310,7 +321,7 @@ void write_stream(ByteWriter& w, const Bytes& raw) {
 std::string_view name(PageStream stream) {
   constexpr std::array<std::string_view, page_stream_count> names{
       "triangles",      "positions",    "normals",      "colours",          "texcoords",      "fan centres", "fan sizes",
-      "fan spheres",    "child vertices", "child errors", "child wedges", "orphans", "source triangles", "source vertices"};
+      "fan spheres",    "child vertices", "child errors", "child wedges", "wedge tails", "orphans", "source triangles", "source vertices"};
   return names.at(static_cast<std::size_t>(stream));
 }
 
@@ -362,6 +373,7 @@ Result<Page> decode_page(std::span<const std::byte> bytes) {
   if (!unpack_vertices(at(PageStream::texcoords), optional_count(flag_texcoords), page.owned.texcoords))
     return corrupt("damaged texture coordinates");
   if (!unpack_script(streams, n, page)) return corrupt("damaged script");
+  if (!unpack_wedge_tails(at(PageStream::wedge_tails), page)) return corrupt("damaged wedge groups");
   if (!unpack_sources(streams, n, page)) return corrupt("damaged sources");
   return page;
 }

@@ -16,7 +16,7 @@ namespace cuesta {
 /// What a page's bytes are spent on.
 enum class PageStream : std::uint8_t {
   triangles, positions, normals, colours, texcoords, fan_centres, fan_sizes, fan_spheres, child_vertices, child_errors,
-  child_wedges, orphans, source_triangles, source_vertices, count
+  child_wedges, wedge_tails, orphans, source_triangles, source_vertices, count
 };
 inline constexpr std::size_t page_stream_count = static_cast<std::size_t>(PageStream::count);
 std::string_view name(PageStream stream);
