@@ -11,17 +11,11 @@
 
 namespace cuesta {
 
-/// Handles and holes of a mesh: its components less its Euler characteristic V - E + F, at least 0.
-/// @param point  of each vertex   @cost O(n log n)
-std::uint32_t loop_count(std::span<const std::array<std::uint32_t, 3>> triangles,
-                         std::span<const std::uint32_t> point);
-
-/// A point is a group of wedges that the script is seen to move together, named by its lowest vertex.
+/// A point is a wedge group, named by its first vertex.
 class ReplayMesh {
  public:
   ReplayMesh(const Page& page, std::span<const Vec3i> positions);
 
-  std::span<const std::uint32_t> points() const { return point_; }
   std::uint32_t point(std::uint32_t vertex) const { return point_[vertex]; }
   const std::array<std::uint32_t, 3>& corners(std::uint32_t triangle) const { return corners_[triangle]; }
   bool alive(std::uint32_t triangle) const { return alive_[triangle] != 0; }

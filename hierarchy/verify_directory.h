@@ -12,6 +12,9 @@ namespace cuesta {
 /// Totals, block places and roots: all that needs no page. Says whether pages can be walked at all.
 bool check_directory(const Directory& directory, std::uint64_t file_bytes, VerifyReport& report);
 
+/// The sum of owned vertices. A wedge that one page orphans another may keep: it then counts twice.
+void check_vertex_total(const Directory& directory, std::uint64_t orphans, VerifyReport& report);
+
 /// One entry against its page. @param positions one per local vertex.
 void check_entry(PageId id, const PageEntry& entry, const Page& page, std::span<const Vec3i> positions,
                  const PageSurvivors& survivors, VerifyReport& report);

@@ -29,6 +29,8 @@ class FileCheck {
       check_page(id);
       ++report_.pages;
     }
+    if (report_.found[static_cast<std::size_t>(Check::readable)] == 0)
+      check_vertex_total(file_.directory(), orphans_, report_);
     if (unchecked_ > 0)
       report_.skipped.push_back(
           std::to_string(unchecked_) +
@@ -67,12 +69,14 @@ class FileCheck {
   /// Births of the page's triangles, from its sources; what has no source is of the original surface.
   std::vector<Birth> claim_sources(PageId id, const Page& page) {
     std::vector<Birth> births(page.triangles.size());
-    const auto owned = owned_vertices(page);
+    std::vector<std::uint8_t> removed(page.vertex_count, 0);
+    for (const Child& c : page.script.children) removed[c.vertex] = 1;
+    orphans_ += page.orphans.size();
     std::vector<PageId> named;
     for (const PageSource& s : page.sources) {
       named.push_back(s.page);
       const auto from = waiting_.find(s.page);
-      if (from != waiting_.end()) claim(id, page, s, owned, from->second, births, report_);
+      if (from != waiting_.end()) claim(id, page, s, removed, from->second, births, report_);
     }
     std::sort(named.begin(), named.end());
     if (named != sources_[id])
@@ -96,7 +100,7 @@ class FileCheck {
   PagePositions positions_;
   std::unordered_map<PageId, ClaimedSurvivors> waiting_;
   std::unordered_set<PageId> excused_;
-  std::uint64_t unchecked_ = 0;
+  std::uint64_t unchecked_ = 0, orphans_ = 0;
 };
 
 }  // namespace

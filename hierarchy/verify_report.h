@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,7 +42,8 @@ struct VerifyReport {
   std::uint64_t fans = 0;
   std::uint64_t substitutions = 0;  ///< wedges that move together count once
   std::uint64_t topology_let_go =
-      0;                    ///< of these: such that sheets touch or handles close, where little else is left
+      0;  ///< of these: such that sheets touch or handles close, where little else is left
+  float topology_kept_below = std::numeric_limits<float>::infinity();  ///< least error of these, grid units
   std::uint64_t cuts = 0;   ///< sample cuts whose topology and error were checked
   double least_cosine = 1;  ///< of a triangle's normals before and after a substitution
   double median_bound_ratio =

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "hierarchy/replay_mesh.h"
-#include "hierarchy/seam_groups.h"
 
 namespace cuesta {
 namespace {
@@ -27,10 +26,6 @@ class ScriptCheck {
         mesh_(page, positions) {}
 
   PageSurvivors run() {
-    // Seams that the script never moves look like holes to the one count, sheets that touch join in the
-    // other.
-    loops_ = std::max(loop_count(page_.triangles, mesh_.points()),
-                      loop_count(page_.triangles, seam_groups(positions_, page_.triangles)));
     for (const Fan& fan : page_.script.fans) check_fan(fan);
     report_.fans += page_.script.fans.size();
     return survivors();
@@ -40,6 +35,7 @@ class ScriptCheck {
   void check_fan(const Fan& fan) {
     sphere_ = decode_sphere(fan.sphere, positions_[fan.centre]);
     changed_.clear();
+    loose_ = &fan - page_.script.fans.data() >= static_cast<std::ptrdiff_t>(page_.script.strict_fans);
     const auto children = std::span(page_.script.children).subspan(fan.first_child, fan.child_count);
     for (std::size_t first = 0, last = 0; first < children.size(); first = last) {
       for (last = first + 1; last < children.size() && children[last].joined;) ++last;
@@ -70,8 +66,8 @@ class ScriptCheck {
     const auto dying = mesh_.edge_triangles(u, v);
     check_wedges(run, u);
     if (dying == 0) illegal(run[0], " removes no triangle");
-    if (loose())
-      report_.topology_let_go += !links_kept(u, v) || doubled(u, v) || leaves_border(u, v) || dying > 2;
+    if (loose_)
+      count_let_go(run[0], u, v, dying);
     else
       check_link(run[0], u, v, dying);
     check_patch(run, u, v);
@@ -106,8 +102,10 @@ class ScriptCheck {
       }
   }
 
-  bool loose() const {
-    return page_.triangles.size() - removed_ < std::uint64_t{triangles_per_loop} * loops_;
+  void count_let_go(const Child& child, std::uint32_t u, std::uint32_t v, std::uint32_t dying) {
+    if (links_kept(u, v) && !doubled(u, v) && !leaves_border(u, v) && dying <= 2) return;
+    ++report_.topology_let_go;
+    report_.topology_kept_below = std::min(report_.topology_kept_below, decode_error(child.error));
   }
 
   void check_link(const Child& child, std::uint32_t u, std::uint32_t v, std::uint32_t dying) {
@@ -135,15 +133,8 @@ class ScriptCheck {
                             mesh_.edge_triangles(u, more[0]) == 1 && mesh_.edge_triangles(v, more[0]) == 1);
   }
 
-  /// Neighbours of u count by position, those of v by point: a seam that the script never moves must not look
-  /// like a border around u, and may do so around v.
-  bool leaves_border(std::uint32_t u, std::uint32_t v) {
-    std::vector<Vec3i> places;
-    for (std::uint32_t q : mesh_.ring(u)) places.push_back(positions_[q]);
-    std::sort(places.begin(), places.end());
-    places.erase(std::unique(places.begin(), places.end()), places.end());
-    return places.size() != mesh_.star(u).size() && mesh_.ring(v).size() == mesh_.star(v).size();
-  }
+  bool leaves_border(std::uint32_t u, std::uint32_t v) { return at_border(u) && !at_border(v); }
+  bool at_border(std::uint32_t p) { return mesh_.ring(p).size() != mesh_.star(p).size(); }
 
   /// Would a triangle land on one that is there, as when a tetrahedron is flattened?
   bool doubled(std::uint32_t u, std::uint32_t v) {
@@ -255,7 +246,8 @@ class ScriptCheck {
   ReplayMesh mesh_;
   Sphere sphere_;
   std::uint64_t number_ = 0;
-  std::uint32_t removed_ = 0, loops_ = 0;
+  std::uint32_t removed_ = 0;
+  bool loose_ = false;  // the link condition is let go, and only counted
   std::vector<std::uint32_t> changed_;
 };
 

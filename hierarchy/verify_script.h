@@ -15,10 +15,6 @@ namespace cuesta {
 /// A triangle may turn by no more than this in one substitution (the kernel's limit is 0.2, in float).
 inline constexpr double least_turn_cosine = 0.199;
 
-/// Below this many triangles for each handle or hole of a page, the link condition is let go, and only
-/// counted.
-inline constexpr std::uint32_t triangles_per_loop = 32;
-
 /// What is left of a page's mesh. Vertices are numbered among the survivors, as source tables do.
 struct PageSurvivors {
   std::uint32_t vertices = 0;

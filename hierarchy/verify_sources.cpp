@@ -17,8 +17,9 @@ std::string of_source(PageId source) {
 
 /// Local number of each survivor vertex of the source; none where the page does not have it.
 constexpr std::uint32_t absent = 0xFFFFFFFFu;
-std::vector<std::uint32_t> local_numbers(PageId id, const PageSource& s, std::span<const std::uint8_t> owned,
-                                         ClaimedSurvivors& from, VerifyReport& report) {
+std::vector<std::uint32_t> local_numbers(PageId id, const PageSource& s,
+                                         std::span<const std::uint8_t> removed, ClaimedSurvivors& from,
+                                         VerifyReport& report) {
   std::vector<std::uint32_t> local(from.survivors.vertices, absent);
   for (std::size_t i = 0; i < s.vertices.size(); ++i) {
     const std::uint32_t v = s.vertices[i];
@@ -28,7 +29,7 @@ std::vector<std::uint32_t> local_numbers(PageId id, const PageSource& s, std::sp
     }
     local[v] = s.local_vertices[i];
     count_up(from.vertex_claims[v]);
-    if (owned[s.local_vertices[i]]) count_up(from.vertex_owners[v]);
+    if (removed[s.local_vertices[i]]) count_up(from.vertex_owners[v]);
   }
   return local;
 }
@@ -49,9 +50,9 @@ ClaimedSurvivors claimable(PageSurvivors survivors, std::uint32_t coarser_pages)
   return c;
 }
 
-void claim(PageId id, const Page& page, const PageSource& s, std::span<const std::uint8_t> owned,
+void claim(PageId id, const Page& page, const PageSource& s, std::span<const std::uint8_t> removed,
            ClaimedSurvivors& from, std::vector<Birth>& births, VerifyReport& report) {
-  const auto local = local_numbers(id, s, owned, from, report);
+  const auto local = local_numbers(id, s, removed, from, report);
   for (std::size_t i = 0; i < s.triangles.size(); ++i) {
     const std::uint32_t t = s.triangles[i], here = s.first_triangle + static_cast<std::uint32_t>(i);
     if (t >= from.survivors.triangles.size()) {

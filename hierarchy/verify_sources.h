@@ -22,9 +22,10 @@ struct ClaimedSurvivors {
 ClaimedSurvivors claimable(PageSurvivors survivors, std::uint32_t coarser_pages);
 
 /// Checks one source of a page and counts its claims: corners agree, and numbers are in range.
-/// @param owned   of the page, per local vertex
+/// @param removed  per local vertex: a substitution of the page takes it (an orphan may be kept by another
+/// page)
 /// @param births  of the page's triangles; those of this source's run are set
-void claim(PageId id, const Page& page, const PageSource& source, std::span<const std::uint8_t> owned,
+void claim(PageId id, const Page& page, const PageSource& source, std::span<const std::uint8_t> removed,
            ClaimedSurvivors& from, std::vector<Birth>& births, VerifyReport& report);
 
 /// When all coarser pages were looked at: every triangle claimed once, every vertex at least once, and one

@@ -18,6 +18,10 @@ struct SurfaceShape::Edge {
 
 namespace {
 
+constexpr auto before_by_points = [](const auto& a, const auto& b) {
+  return std::pair(a.low, a.high) < std::pair(b.low, b.high);
+};
+
 constexpr std::uint32_t unused = 0xFFFFFFFFu;
 
 std::uint32_t root(std::vector<std::uint32_t>& up, std::uint32_t p) {
@@ -38,13 +42,17 @@ void for_each_edge(const Edges& edges, const Visit& visit) {
 }  // namespace
 
 SurfaceShape::SurfaceShape(std::span<const Vec3i> positions, std::span<const Triangle> full)
-    : point_(seam_groups(positions, full)), at_border_(positions.size(), 0) {
+    : point_(seam_groups(positions, full)) {
   find_components(full);
   const auto edges = sorted_edges(full);
   full_ = shapes_of(full, edges);
-  for_each_edge(edges, [this](const Edge& e, std::size_t n, bool) {
-    if (n == 1) at_border_[e.low] = at_border_[e.high] = 1;
-  });
+  for (const Triangle& t : full)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t a = point_[t[i]], b = point_[t[(i + 1) % 3]];
+      const Edge e{std::min(a, b), std::max(a, b), a < b};
+      const auto [first, last] = std::equal_range(edges.begin(), edges.end(), e, before_by_points);
+      if (last - first == 1) border_.push_back({t[i], t[(i + 1) % 3]});
+    }
 }
 
 void SurfaceShape::find_components(std::span<const Triangle> full) {
@@ -97,24 +105,32 @@ std::vector<ComponentShape> SurfaceShape::shapes_of(std::span<const Triangle> tr
   return shapes;
 }
 
-/// Substitutions keep the parity of edges: an odd one away from the border is a crack, whatever touches
-/// whatever. Where topology was let go a border may have moved inwards, to any point of its component.
-std::uint64_t SurfaceShape::torn_edges(std::span<const Edge> edges, bool topology_kept) const {
-  std::uint64_t torn = 0;
+/// Substitutions keep the parity of edges: the odd ones of a cut are the images of the full surface's border
+/// edges, those that meet cancelled in pairs, whatever touches whatever. What differs is a crack.
+std::uint64_t SurfaceShape::torn_edges(std::span<const Edge> edges,
+                                       std::span<const std::uint32_t> ancestor) const {
+  std::vector<Edge> all;
   for_each_edge(edges, [&](const Edge& e, std::size_t n, bool) {
-    const bool border =
-        topology_kept ? at_border_[e.low] && at_border_[e.high] : full_[component_[e.low]].border_edges > 0;
-    torn += n % 2 == 1 && !border;
+    if (n % 2 == 1) all.push_back({e.low, e.high, true});
   });
+  for (const auto& [from, to] : border_) {
+    const std::uint32_t a = point_[ancestor[from]], b = point_[ancestor[to]];
+    if (a != b) all.push_back({std::min(a, b), std::max(a, b), true});
+  }
+  std::sort(all.begin(), all.end());
+  std::uint64_t torn = 0;
+  for_each_edge(all, [&](const Edge&, std::size_t n, bool) { torn += n % 2; });
   return torn;
 }
 
-std::vector<std::string> SurfaceShape::complaints(std::span<const Triangle> cut, bool topology_kept) const {
+std::vector<std::string> SurfaceShape::complaints(std::span<const Triangle> cut,
+                                                  std::span<const std::uint32_t> ancestor,
+                                                  bool topology_kept) const {
   const auto edges = sorted_edges(cut);
   const auto shapes = shapes_of(cut, edges);
   std::vector<std::string> out;
-  if (const std::uint64_t torn = torn_edges(edges, topology_kept); torn > 0)
-    out.push_back(std::to_string(torn) + " border edges where the full surface has no border");
+  if (const std::uint64_t torn = torn_edges(edges, ancestor); torn > 0)
+    out.push_back(std::to_string(torn) + " edges are cracks: not images of the full surface's border");
   for (std::size_t c = 0; c < shapes.size(); ++c) {
     const ComponentShape &now = shapes[c], &full = full_[c];
     const std::string where = " in component " + std::to_string(c);

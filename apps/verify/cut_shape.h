@@ -29,22 +29,24 @@ class SurfaceShape {
   SurfaceShape(std::span<const Vec3i> positions, std::span<const Triangle> full);
 
   std::span<const ComponentShape> components() const { return full_; }
+  /// @param ancestor  per slot: the slot that stands for it in the cut, itself if active
   /// Sentences for what a cut has that the full surface has not: cracks; and where topology is kept,
   /// irregular edges and another Euler characteristic of a closed component. Components may be absent, and
   /// border loops may close.
-  std::vector<std::string> complaints(std::span<const Triangle> cut, bool topology_kept) const;
+  std::vector<std::string> complaints(std::span<const Triangle> cut, std::span<const std::uint32_t> ancestor,
+                                      bool topology_kept) const;
 
  private:
   struct Edge;
   std::vector<Edge> sorted_edges(std::span<const Triangle> triangles) const;
   std::vector<ComponentShape> shapes_of(std::span<const Triangle> triangles,
                                         std::span<const Edge> edges) const;
-  std::uint64_t torn_edges(std::span<const Edge> edges, bool topology_kept) const;
+  std::uint64_t torn_edges(std::span<const Edge> edges, std::span<const std::uint32_t> ancestor) const;
   void find_components(std::span<const Triangle> full);
 
-  std::vector<std::uint32_t> point_;      // per slot
-  std::vector<std::uint32_t> component_;  // per point, dense
-  std::vector<std::uint8_t> at_border_;   // per point
+  std::vector<std::uint32_t> point_;                  // per slot
+  std::vector<std::uint32_t> component_;              // per point, dense
+  std::vector<std::array<std::uint32_t, 2>> border_;  // slots at the ends of edges with one triangle
   std::vector<ComponentShape> full_;
 };
 

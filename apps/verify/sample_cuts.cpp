@@ -156,12 +156,31 @@ class CutSampler {
     ++report_.cuts;
     const std::string where = sample.name + ", tau " + std::to_string(sample.tau) + ", " +
                               std::to_string(triangles->size()) + " triangles: ";
-    for (const std::string& complaint : shape.complaints(*triangles, report_.topology_let_go == 0))
+    for (const std::string& complaint : shape.complaints(*triangles, ancestors(), topology_kept(sample)))
       report_.add(Check::crack_free, no_page, triangles->size(), where + complaint);
     if (last_.achieved > sample.tau)
       report_.add(Check::honest_error, no_page, triangles->size(),
                   where + "the error aimed at was not reached");
     check_error(sample, *triangles, where);
+  }
+
+  bool topology_kept(const Sample& sample) const {
+    const double uniform_error = sample.view ? std::numeric_limits<double>::max() : sample.tau / grid_.step;
+    return uniform_error < static_cast<double>(report_.topology_kept_below);
+  }
+
+  /// For each slot the one that its applied substitutions lead to.
+  std::vector<std::uint32_t> ancestors() const {
+    std::vector<std::uint32_t> up(positions_.size());
+    for (std::uint32_t v = 0; v < up.size(); ++v) up[v] = v;
+    for (PageId id : cut_.cache().resident_ids()) {
+      const ResidentPage& page = *cut_.cache().resident(id);
+      for (const FanState& fan : page.fans())
+        for (const ChildState& c : page.children(fan).first(fan.applied)) up[c.from_slot] = c.to_slot;
+    }
+    for (std::uint32_t& v : up)
+      while (up[v] != v) v = up[v];
+    return up;
   }
 
   void check_error(const Sample& sample, std::span<const Triangle> triangles, const std::string& where) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "apps/verify/sample_cuts.h"
+#include "hierarchy/verify_file.h"
 #include "ooc/mesh_reader.h"
 #include "tests/hierarchy/built_file.h"
 #include "tests/hierarchy/surfaces.h"
@@ -15,7 +16,9 @@ namespace {
 constexpr double loosest_bound = 3;
 
 void expect_honest(const std::filesystem::path& path) {
-  VerifyReport report;
+  const auto file = CuestaFile::open(path);
+  ASSERT_TRUE(file);
+  VerifyReport report = verify_file(*file).value();
   const auto done = verify::verify_cuts(path, {}, report);
   ASSERT_TRUE(done) << done.error().text();
   for (const Finding& f : report.findings) ADD_FAILURE() << name(f.check) << ": " << f.text;
