@@ -8,6 +8,7 @@
 
 #include "hierarchy/bounding_sphere.h"
 #include "hierarchy/directory.h"
+#include "hierarchy/page_order.h"
 #include "hierarchy/round_surface.h"
 #include "hierarchy/simplify_cell.h"
 #include "ooc/check.h"
@@ -151,14 +152,14 @@ std::string extent_problem(const GridMesh& mesh) {
 
 class HierarchyBuilder {
  public:
-  HierarchyBuilder(const GridMesh& mesh, const BuildOptions& options, const BuildProgress& progress,
-                   ContainerWriter writer)
-      : mesh_(mesh), options_(options), progress_(progress), writer_(std::move(writer)) {
-    total_ = mesh.triangles.size();
+  HierarchyBuilder(GridMesh mesh, const BuildOptions& options, const BuildProgress& progress, ContainerWriter writer)
+      : mesh_(std::move(mesh)), options_(options), progress_(progress), writer_(std::move(writer)) {
+    total_ = mesh_.triangles.size();
   }
 
   Result<BuildReport> run() {
     RoundSurface surface;
+    Partition first_cells = order_for_pages(mesh_, options_.cell_triangles);
     surface.triangles = mesh_.triangles;
     std::uint32_t rounds_without_progress = 0;
     for (bool base = false; !base;) {
@@ -169,7 +170,7 @@ class HierarchyBuilder {
         return fail(ErrorCode::invalid_input, "", "round " + std::to_string(surface.round),
                     std::to_string(surface.triangles.size()) + " triangles cannot be simplified any further: " +
                         "more than fit a base page");
-      auto next = run_round(surface, base);
+      auto next = run_round(surface, base, surface.round == 0 ? std::move(first_cells) : cells_of(surface, base));
       if (!next) return fail(next.error());
       const bool progress = next->triangles.size() <= surface.triangles.size() / 10 * 9;
       rounds_without_progress = progress ? 0 : rounds_without_progress + 1;
@@ -181,11 +182,14 @@ class HierarchyBuilder {
   }
 
  private:
-  Result<RoundSurface> run_round(const RoundSurface& surface, bool base) {
-    const auto cell_triangles =
-        base ? std::max<std::uint32_t>(1, static_cast<std::uint32_t>(surface.triangles.size()))
-             : options_.cell_triangles;
-    const RoundCells cells(surface, mesh_, cell_triangles);
+  Partition cells_of(const RoundSurface& surface, bool base) const {
+    const auto all = static_cast<std::uint32_t>(surface.triangles.size());
+    return partition_cells(triangle_centres(surface.triangles, mesh_), base ? all : options_.cell_triangles,
+                           surface.round);
+  }
+
+  Result<RoundSurface> run_round(const RoundSurface& surface, bool base, Partition partition) {
+    const RoundCells cells(surface, mesh_, std::move(partition));
     RoundSurface next;
     next.round = surface.round + 1;
     next.first_page = static_cast<PageId>(directory_.pages.size());
@@ -251,7 +255,7 @@ class HierarchyBuilder {
     return {};
   }
 
-  const GridMesh& mesh_;
+  GridMesh mesh_;
   const BuildOptions& options_;
   const BuildProgress& progress_;
   ContainerWriter writer_;
@@ -262,7 +266,7 @@ class HierarchyBuilder {
 
 }  // namespace
 
-Result<BuildReport> build_hierarchy(const GridMesh& mesh, const std::filesystem::path& path,
+Result<BuildReport> build_hierarchy(GridMesh mesh, const std::filesystem::path& path,
                                     const BuildOptions& options, const BuildProgress& progress) {
   CUESTA_CHECK(!mesh.triangles.empty());
   CUESTA_CHECK(options.round_reduction > 1, options.round_reduction);
@@ -270,7 +274,7 @@ Result<BuildReport> build_hierarchy(const GridMesh& mesh, const std::filesystem:
     return fail(ErrorCode::invalid_input, path.string(), "", std::move(problem));
   auto writer = ContainerWriter::create(path);
   if (!writer) return fail(writer.error());
-  return HierarchyBuilder(mesh, options, progress, std::move(*writer)).run();
+  return HierarchyBuilder(std::move(mesh), options, progress, std::move(*writer)).run();
 }
 
 }  // namespace cuesta

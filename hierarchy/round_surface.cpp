@@ -7,17 +7,6 @@
 namespace cuesta {
 namespace {
 
-std::vector<Vec3f> triangle_centres(const RoundSurface& surface, const GridMesh& mesh) {
-  std::vector<Vec3f> centres;
-  centres.reserve(surface.triangles.size());
-  for (const auto& t : surface.triangles) {
-    const Vec3d sum = vec_cast<double>(mesh.positions[t[0]]) + vec_cast<double>(mesh.positions[t[1]]) +
-                      vec_cast<double>(mesh.positions[t[2]]);
-    centres.push_back(vec_cast<float>(sum / 3.0));
-  }
-  return centres;
-}
-
 std::vector<std::uint8_t> shared_groups(const RoundSurface& surface, const GridMesh& mesh,
                                         const Partition& partition) {
   std::vector<std::uint32_t> user(mesh.positions.size(), none);
@@ -49,10 +38,21 @@ std::uint32_t local_number(std::span<const std::uint32_t> vertices, std::uint32_
 
 }  // namespace
 
-RoundCells::RoundCells(const RoundSurface& surface, const GridMesh& mesh, std::uint32_t cell_triangles)
+std::vector<Vec3f> triangle_centres(std::span<const std::array<std::uint32_t, 3>> triangles, const GridMesh& mesh) {
+  std::vector<Vec3f> centres;
+  centres.reserve(triangles.size());
+  for (const auto& t : triangles) {
+    const Vec3d sum = vec_cast<double>(mesh.positions[t[0]]) + vec_cast<double>(mesh.positions[t[1]]) +
+                      vec_cast<double>(mesh.positions[t[2]]);
+    centres.push_back(vec_cast<float>(sum / 3.0));
+  }
+  return centres;
+}
+
+RoundCells::RoundCells(const RoundSurface& surface, const GridMesh& mesh, Partition partition)
     : surface_(surface),
       mesh_(mesh),
-      partition_(partition_cells(triangle_centres(surface, mesh), cell_triangles, surface.round)),
+      partition_(std::move(partition)),
       shared_(shared_groups(surface, mesh, partition_)) {}
 
 Cell RoundCells::cell(std::uint32_t c) const {

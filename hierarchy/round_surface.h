@@ -37,10 +37,13 @@ struct Cell {
   std::vector<PageSource> sources;
 };
 
-/// Cuts a surface into cells and copies them out. Copying cells is const and may run concurrently.
+/// Centre of each triangle, grid units.
+std::vector<Vec3f> triangle_centres(std::span<const std::array<std::uint32_t, 3>> triangles, const GridMesh& mesh);
+
+/// Copies the cells of a surface out. Copying is const and may run concurrently.
 class RoundCells {
  public:
-  RoundCells(const RoundSurface& surface, const GridMesh& mesh, std::uint32_t cell_triangles);
+  RoundCells(const RoundSurface& surface, const GridMesh& mesh, Partition partition);
   std::uint32_t cell_count() const { return partition_.cell_count(); }
   Cell cell(std::uint32_t c) const;
   /// Pages of the round before that cell c has triangles of, ascending.
