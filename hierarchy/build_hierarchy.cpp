@@ -27,7 +27,8 @@ struct CellOutput {
   std::uint64_t fans = 0, substitutions = 0;
 };
 
-OwnedVertices owned_attributes(const GridMesh& mesh, const Page& page, std::span<const std::uint32_t> vertices) {
+OwnedVertices owned_attributes(const GridMesh& mesh, const Page& page,
+                               std::span<const std::uint32_t> vertices) {
   OwnedVertices out;
   const auto owned = owned_vertices(page);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -65,7 +66,8 @@ PageEntry describe(const Page& page, const CellSurvivors& survivors, std::span<c
   e.vertices = page.vertex_count;
   e.triangles = static_cast<std::uint32_t>(page.triangles.size());
   e.owned_vertices = static_cast<std::uint32_t>(page.owned.positions.size());
-  e.owned_triangles = page.base ? e.triangles : e.triangles - static_cast<std::uint32_t>(survivors.triangles.size());
+  e.owned_triangles =
+      page.base ? e.triangles : e.triangles - static_cast<std::uint32_t>(survivors.triangles.size());
   e.bound = page_bound(page, positions);
   if (page.script.children.empty()) return e;
   const auto [least, largest] =
@@ -88,7 +90,8 @@ std::vector<std::uint32_t> orphans_of(const Page& page, const CellSurvivors& sur
   return orphans;
 }
 
-CellOutput run_cell(Cell cell, const GridMesh& mesh, std::uint32_t round, bool base, const BuildOptions& options) {
+CellOutput run_cell(Cell cell, const GridMesh& mesh, std::uint32_t round, bool base,
+                    const BuildOptions& options) {
   Page page;
   page.round = round;
   page.base = base;
@@ -100,7 +103,8 @@ CellOutput run_cell(Cell cell, const GridMesh& mesh, std::uint32_t round, bool b
   const std::vector<Vec3i> positions = cell.mesh.positions;
   SimplifyOptions simplify;
   simplify.target_triangles =
-      base ? 0 : static_cast<std::uint32_t>(static_cast<double>(page.triangles.size()) / options.round_reduction);
+      base ? 0
+           : static_cast<std::uint32_t>(static_cast<double>(page.triangles.size()) / options.round_reduction);
   SimplifyResult simplified = simplify_cell(std::move(cell.mesh), simplify);
   page.script = std::move(simplified.script);
   if (!base) page.orphans = orphans_of(page, simplified.survivors);
@@ -152,7 +156,8 @@ std::string extent_problem(const GridMesh& mesh) {
 
 class HierarchyBuilder {
  public:
-  HierarchyBuilder(GridMesh mesh, const BuildOptions& options, const BuildProgress& progress, ContainerWriter writer)
+  HierarchyBuilder(GridMesh mesh, const BuildOptions& options, const BuildProgress& progress,
+                   ContainerWriter writer)
       : mesh_(std::move(mesh)), options_(options), progress_(progress), writer_(std::move(writer)) {
     total_ = mesh_.triangles.size();
   }
@@ -168,9 +173,10 @@ class HierarchyBuilder {
              (rounds_without_progress >= patience && surface.triangles.size() <= max_page_elements / 4);
       if (rounds_without_progress > 2 * patience)
         return fail(ErrorCode::invalid_input, "", "round " + std::to_string(surface.round),
-                    std::to_string(surface.triangles.size()) + " triangles cannot be simplified any further: " +
-                        "more than fit a base page");
-      auto next = run_round(surface, base, surface.round == 0 ? std::move(first_cells) : cells_of(surface, base));
+                    std::to_string(surface.triangles.size()) +
+                        " triangles cannot be simplified any further: " + "more than fit a base page");
+      auto next =
+          run_round(surface, base, surface.round == 0 ? std::move(first_cells) : cells_of(surface, base));
       if (!next) return fail(next.error());
       const bool progress = next->triangles.size() <= surface.triangles.size() / 10 * 9;
       rounds_without_progress = progress ? 0 : rounds_without_progress + 1;

@@ -15,21 +15,23 @@
 // Layout of a page (all little-endian; docs/format.md):
 //   u8 codec version, u8 flags, u32 round, u32 vertices, u32 triangles, u32 owned, u32 fans, u32 strict fans,
 //   u32 children, u32 sources,
-//   then for each stream in PageStream order: varint raw bytes, varint stored bytes, stored bytes (zstd, or raw when
-//   the two sizes are equal).
+//   then for each stream in PageStream order: varint raw bytes, varint stored bytes, stored bytes (zstd, or
+//   raw when the two sizes are equal).
 
 namespace cuesta {
 namespace {
 
 constexpr std::uint8_t codec_version = 1;
-constexpr std::uint8_t flag_base = 1, flag_normals = 2, flag_colours = 4, flag_texcoords = 8, flag_wedges = 16;
+constexpr std::uint8_t flag_base = 1, flag_normals = 2, flag_colours = 4, flag_texcoords = 8,
+                       flag_wedges = 16;
 constexpr int zstd_level = 6;
 
 using Bytes = std::vector<std::byte>;
 
 struct Counts {
   std::uint8_t flags = 0;
-  std::uint32_t round = 0, vertices = 0, triangles = 0, owned = 0, fans = 0, strict_fans = 0, children = 0, sources = 0;
+  std::uint32_t round = 0, vertices = 0, triangles = 0, owned = 0, fans = 0, strict_fans = 0, children = 0,
+                sources = 0;
 };
 
 bool has_wedges(const Page& page) {
@@ -42,10 +44,10 @@ bool has_wedges(const Page& page) {
 
 Counts counts_of(const Page& page) {
   Counts c;
-  c.flags = static_cast<std::uint8_t>((page.base ? flag_base : 0) | (page.owned.normals.empty() ? 0 : flag_normals) |
-                                      (page.owned.colours.empty() ? 0 : flag_colours) |
-                                      (page.owned.texcoords.empty() ? 0 : flag_texcoords) |
-                                      (has_wedges(page) ? flag_wedges : 0));
+  c.flags = static_cast<std::uint8_t>(
+      (page.base ? flag_base : 0) | (page.owned.normals.empty() ? 0 : flag_normals) |
+      (page.owned.colours.empty() ? 0 : flag_colours) | (page.owned.texcoords.empty() ? 0 : flag_texcoords) |
+      (has_wedges(page) ? flag_wedges : 0));
   c.round = page.round;
   c.vertices = page.vertex_count;
   c.triangles = static_cast<std::uint32_t>(page.triangles.size());
@@ -57,7 +59,8 @@ Counts counts_of(const Page& page) {
   return c;
 }
 
-// ---- streams as plain bytes -----------------------------------------------------------------------------------
+// ---- streams as plain bytes
+// -----------------------------------------------------------------------------------
 
 /// meshoptimizer's vertex codec on an array of 4·k-byte elements.
 template <class T>
@@ -65,8 +68,8 @@ Bytes pack_vertices(const std::vector<T>& v) {
   static_assert(sizeof(T) % 4 == 0);
   if (v.empty()) return {};
   Bytes out(meshopt_encodeVertexBufferBound(v.size(), sizeof(T)));
-  out.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(out.data()), out.size(), v.data(), v.size(),
-                                        sizeof(T)));
+  out.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(out.data()), out.size(), v.data(),
+                                        v.size(), sizeof(T)));
   return out;
 }
 
@@ -74,8 +77,8 @@ template <class T>
 bool unpack_vertices(std::span<const std::byte> in, std::size_t count, std::vector<T>& v) {
   v.resize(count);
   if (count == 0) return in.empty();
-  return meshopt_decodeVertexBuffer(v.data(), count, sizeof(T), reinterpret_cast<const unsigned char*>(in.data()),
-                                    in.size()) == 0;
+  return meshopt_decodeVertexBuffer(v.data(), count, sizeof(T),
+                                    reinterpret_cast<const unsigned char*>(in.data()), in.size()) == 0;
 }
 
 Bytes pack_triangles(const Page& page) {
@@ -90,8 +93,9 @@ Bytes pack_triangles(const Page& page) {
 /// The index codec turns triangles; ours have the lowest vertex first.
 bool unpack_triangles(std::span<const std::byte> in, Page& page) {
   if (page.triangles.empty()) return in.empty();
-  if (meshopt_decodeIndexBuffer(page.triangles.data()->data(), page.triangles.size() * 3, sizeof(std::uint32_t),
-                                reinterpret_cast<const unsigned char*>(in.data()), in.size()) != 0)
+  if (meshopt_decodeIndexBuffer(page.triangles.data()->data(), page.triangles.size() * 3,
+                                sizeof(std::uint32_t), reinterpret_cast<const unsigned char*>(in.data()),
+                                in.size()) != 0)
     return false;
   for (auto& t : page.triangles) {
     if (t[0] >= page.vertex_count || t[1] >= page.vertex_count || t[2] >= page.vertex_count) return false;
@@ -162,7 +166,8 @@ std::array<Bytes, page_stream_count> pack_streams(const Page& page) {
   return out;
 }
 
-// ---- and back -------------------------------------------------------------------------------------------------
+// ---- and back
+// -------------------------------------------------------------------------------------------------
 
 bool get_ascending(ByteReader& r, std::uint64_t count, std::vector<std::uint32_t>& v) {
   if (count > r.remaining()) return false;
@@ -203,9 +208,10 @@ bool unpack_script(const std::array<Bytes, page_stream_count>& in, const Counts&
       const std::uint64_t wedge = (n.flags & flag_wedges) ? wedges.get_varint() : 0;
       const std::uint64_t target = static_cast<std::uint64_t>(centre) + (wedge >> 1);
       if (vertex < 0 || vertex >= n.vertices || target >= n.vertices) return false;
-      Child child{static_cast<std::uint32_t>(vertex), static_cast<std::uint32_t>(target), errors.get<std::uint8_t>(),
-                  (wedge & 1) != 0};
-      // A vertex goes once, to one that is still there; errors do not fall along a fan, and joined wedges share one.
+      Child child{static_cast<std::uint32_t>(vertex), static_cast<std::uint32_t>(target),
+                  errors.get<std::uint8_t>(), (wedge & 1) != 0};
+      // A vertex goes once, to one that is still there; errors do not fall along a fan, and joined wedges
+      // share one.
       if (removed[child.vertex] || removed[child.target] || child.vertex == child.target) return false;
       if (i == 0 ? child.joined : child.error < page.script.children.back().error) return false;
       if (child.joined && child.error != page.script.children.back().error) return false;
@@ -218,8 +224,9 @@ bool unpack_script(const std::array<Bytes, page_stream_count>& in, const Counts&
   for (std::uint32_t v : page.orphans)
     if (v >= n.vertices || std::exchange(removed[v], std::uint8_t{1}) != 0) return false;
   const std::size_t gone = page.script.children.size() + page.orphans.size();
-  return page.script.children.size() == n.children && n.owned == (page.base ? n.vertices : gone) && centres.at_end() && sizes.at_end() &&
-         spheres.at_end() && vertices.at_end() && errors.at_end() && wedges.at_end();
+  return page.script.children.size() == n.children && n.owned == (page.base ? n.vertices : gone) &&
+         centres.at_end() && sizes.at_end() && spheres.at_end() && vertices.at_end() && errors.at_end() &&
+         wedges.at_end();
 }
 
 bool unpack_wedge_tails(std::span<const std::byte> in, Page& page) {
@@ -244,7 +251,8 @@ bool unpack_sources(const std::array<Bytes, page_stream_count>& in, const Counts
     if (s.triangles.size() > n.triangles - first) return false;
     first += static_cast<std::uint32_t>(s.triangles.size());
     const std::uint64_t count = vertices.get_varint();
-    if (!get_ascending(vertices, count, s.vertices) || !get_ascending(vertices, count, s.local_vertices)) return false;
+    if (!get_ascending(vertices, count, s.vertices) || !get_ascending(vertices, count, s.local_vertices))
+      return false;
     if (!s.local_vertices.empty() && s.local_vertices.back() >= n.vertices) return false;
   }
   return (n.sources == 0 || first == n.triangles) && triangles.at_end() && vertices.at_end();
@@ -257,38 +265,52 @@ tl::unexpected<Error> corrupt(std::string what) {
 Result<Counts> read_counts(ByteReader& r) {
   const auto version = r.get<std::uint8_t>();
   if (r.ok() && version != codec_version)
-    return fail(ErrorCode::unsupported_version, "", "",
-                "page codec " + std::to_string(version) + ", this program reads " + std::to_string(codec_version));
+    return fail(
+        ErrorCode::unsupported_version, "", "",
+        "page codec " + std::to_string(version) + ", this program reads " + std::to_string(codec_version));
   Counts n;
   n.flags = r.get<std::uint8_t>();
-  for (auto* field : {&n.round, &n.vertices, &n.triangles, &n.owned, &n.fans, &n.strict_fans, &n.children, &n.sources})
+  for (auto* field :
+       {&n.round, &n.vertices, &n.triangles, &n.owned, &n.fans, &n.strict_fans, &n.children, &n.sources})
     *field = r.get<std::uint32_t>();
   if (!r.ok()) return corrupt("the page ends within its header");
   for (auto count : {n.vertices, n.triangles, n.owned, n.fans, n.children, n.sources})
-    if (count > max_page_elements || n.strict_fans > n.fans) return corrupt("a count of " + std::to_string(count) + " is beyond any page");
+    if (count > max_page_elements || n.strict_fans > n.fans)
+      return corrupt("a count of " + std::to_string(count) + " is beyond any page");
   return n;
 }
 
 /// Upper bound of a stream's raw size: what the counts in the header can need.
 std::uint64_t raw_bound(PageStream s, const Counts& n) {
   switch (s) {
-    case PageStream::triangles: return meshopt_encodeIndexBufferBound(std::size_t{n.triangles} * 3, n.vertices);
-    case PageStream::positions: return meshopt_encodeVertexBufferBound(n.owned, 12);
+    case PageStream::triangles:
+      return meshopt_encodeIndexBufferBound(std::size_t{n.triangles} * 3, n.vertices);
+    case PageStream::positions:
+      return meshopt_encodeVertexBufferBound(n.owned, 12);
     case PageStream::normals:
-    case PageStream::colours: return meshopt_encodeVertexBufferBound(n.owned, 4);
-    case PageStream::texcoords: return meshopt_encodeVertexBufferBound(n.owned, 8);
+    case PageStream::colours:
+      return meshopt_encodeVertexBufferBound(n.owned, 4);
+    case PageStream::texcoords:
+      return meshopt_encodeVertexBufferBound(n.owned, 8);
     case PageStream::fan_centres:
     case PageStream::fan_sizes:
-    case PageStream::fan_spheres: return std::uint64_t{10} * n.fans;
+    case PageStream::fan_spheres:
+      return std::uint64_t{10} * n.fans;
     case PageStream::child_vertices:
     case PageStream::child_errors:
-    case PageStream::child_wedges: return std::uint64_t{10} * n.children;
-    case PageStream::wedge_tails: return 10 + std::uint64_t{10} * n.vertices;
-    case PageStream::orphans: return 10 + std::uint64_t{10} * n.owned;
-    case PageStream::source_triangles: return std::uint64_t{20} * n.sources + std::uint64_t{10} * n.triangles;
+    case PageStream::child_wedges:
+      return std::uint64_t{10} * n.children;
+    case PageStream::wedge_tails:
+      return 10 + std::uint64_t{10} * n.vertices;
+    case PageStream::orphans:
+      return 10 + std::uint64_t{10} * n.owned;
+    case PageStream::source_triangles:
+      return std::uint64_t{20} * n.sources + std::uint64_t{10} * n.triangles;
     // A vertex can be shared by several sources; four on average is beyond any mesh.
-    case PageStream::source_vertices: return std::uint64_t{20} * n.sources + std::uint64_t{80} * n.vertices;
-    case PageStream::count: break;
+    case PageStream::source_vertices:
+      return std::uint64_t{20} * n.sources + std::uint64_t{80} * n.vertices;
+    case PageStream::count:
+      break;
   }
   return 0;
 }
@@ -320,8 +342,9 @@ void write_stream(ByteWriter& w, const Bytes& raw) {
 
 std::string_view name(PageStream stream) {
   constexpr std::array<std::string_view, page_stream_count> names{
-      "triangles",      "positions",    "normals",      "colours",          "texcoords",      "fan centres", "fan sizes",
-      "fan spheres",    "child vertices", "child errors", "child wedges", "wedge tails", "orphans", "source triangles", "source vertices"};
+      "triangles",    "positions",   "normals",     "colours",          "texcoords",
+      "fan centres",  "fan sizes",   "fan spheres", "child vertices",   "child errors",
+      "child wedges", "wedge tails", "orphans",     "source triangles", "source vertices"};
   return names.at(static_cast<std::size_t>(stream));
 }
 
@@ -331,7 +354,8 @@ std::vector<std::byte> encode_page(const Page& page, PageStreamBytes* spent) {
   CUESTA_CHECK(n.owned == (page.base ? n.vertices : n.children + page.orphans.size()), n.owned, n.children);
   out.put(codec_version);
   out.put(n.flags);
-  for (auto field : {n.round, n.vertices, n.triangles, n.owned, n.fans, n.strict_fans, n.children, n.sources}) out.put(field);
+  for (auto field : {n.round, n.vertices, n.triangles, n.owned, n.fans, n.strict_fans, n.children, n.sources})
+    out.put(field);
   const auto streams = pack_streams(page);
   for (std::size_t s = 0; s < page_stream_count; ++s) {
     const std::size_t before = out.size();
@@ -362,10 +386,13 @@ Result<Page> decode_page(std::span<const std::byte> bytes) {
   page.vertex_count = n.vertices;
   page.script.strict_fans = n.strict_fans;
   page.triangles.resize(n.triangles);
-  const auto at = [&streams](PageStream s) { return std::span<const std::byte>(streams[static_cast<std::size_t>(s)]); };
+  const auto at = [&streams](PageStream s) {
+    return std::span<const std::byte>(streams[static_cast<std::size_t>(s)]);
+  };
   const auto optional_count = [&n](std::uint8_t flag) { return (n.flags & flag) ? n.owned : 0u; };
   if (!unpack_triangles(at(PageStream::triangles), page)) return corrupt("damaged triangles");
-  if (!unpack_vertices(at(PageStream::positions), n.owned, page.owned.positions)) return corrupt("damaged positions");
+  if (!unpack_vertices(at(PageStream::positions), n.owned, page.owned.positions))
+    return corrupt("damaged positions");
   if (!unpack_vertices(at(PageStream::normals), optional_count(flag_normals), page.owned.normals))
     return corrupt("damaged normals");
   if (!unpack_vertices(at(PageStream::colours), optional_count(flag_colours), page.owned.colours))

@@ -12,16 +12,18 @@ namespace {
 
 constexpr float never = std::numeric_limits<float>::infinity();
 
-/// Components of this many points are taken whole as soon as the error allows it, and larger ones when nothing else
-/// is left.
+/// Components of this many points are taken whole as soon as the error allows it, and larger ones when
+/// nothing else is left.
 constexpr std::uint32_t small_component = 6;
 constexpr std::uint32_t stuck_component = 64;
 
 /// Below this many triangles for each handle or hole, topology is let go.
 constexpr std::uint32_t triangles_per_loop = 32;
 
-/// Below this many triangles fans take no more than the threshold allows.
-constexpr std::uint32_t coarse_triangles = 2048;
+/// Near the end a fan is large against the surface and one neighbour too many shows: below this many
+/// triangles fans take no more than the threshold allows, and the threshold rises more slowly.
+constexpr std::uint32_t coarse_triangles = 4096;
+constexpr double coarse_quantile = 0.03;
 
 /// The state of a run of passes over one cell.
 class FanMerger {
@@ -90,13 +92,15 @@ class FanMerger {
     for (PointId v : centres_)
       if (cost_[v] < never) scratch_.push_back(cost_[v]);
     if (scratch_.empty()) return 0;
-    const auto nth = scratch_.begin() + static_cast<std::ptrdiff_t>(
-                                            static_cast<double>(scratch_.size() - 1) * options_.pass_quantile);
+    const auto nth =
+        scratch_.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(scratch_.size() - 1) * quantile());
     std::nth_element(scratch_.begin(), nth, scratch_.end());
     return *nth;
   }
 
-  float highest_cost() const { return scratch_.empty() ? 0 : *std::max_element(scratch_.begin(), scratch_.end()); }
+  float highest_cost() const {
+    return scratch_.empty() ? 0 : *std::max_element(scratch_.begin(), scratch_.end());
+  }
 
   /// One pass: disjoint fans under the threshold. Returns the number of substitutions.
   std::size_t pass(float threshold) {
@@ -124,8 +128,8 @@ class FanMerger {
       taken_[v] = pass_stamp_;
       dirty_[v] = 1;
     }
-    // The fans of a pass do not touch each other: their order is free, and this one packs best. (With loose topology
-    // they can, through what they guard.)
+    // The fans of a pass do not touch each other: their order is free, and this one packs best. (With loose
+    // topology they can, through what they guard.)
     if (loose_) return done;
     std::sort(result_.script.fans.begin() + static_cast<std::ptrdiff_t>(first_fan), result_.script.fans.end(),
               [](const Fan& a, const Fan& b) { return a.centre < b.centre; });
@@ -151,8 +155,11 @@ class FanMerger {
     return true;
   }
 
-  /// Near the end a fan is large against the surface: one neighbour too many shows.
-  float reach() const { return kernel_.live_triangles() < coarse_triangles ? 1.0f : options_.fan_reach; }
+  bool coarse() const { return kernel_.live_triangles() < coarse_triangles; }
+  float reach() const { return coarse() ? 1.0f : options_.fan_reach; }
+  double quantile() const {
+    return coarse() ? std::min(coarse_quantile, options_.pass_quantile) : options_.pass_quantile;
+  }
 
   std::size_t merge_fan(PointId v, float threshold) {
     candidates_.clear();

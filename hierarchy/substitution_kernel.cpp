@@ -69,7 +69,8 @@ void SubstitutionKernel::build_stars() {
     for (PointId p : corners_[t]) arena_[fill[p]++] = t;
 }
 
-/// A point is on a border if one of its edges has one triangle only. (Locked points look so too, and do not move.)
+/// A point is on a border if one of its edges has one triangle only. (Locked points look so too, and do not
+/// move.)
 void SubstitutionKernel::find_borders() {
   for (PointId p = 0; p < point_count(); ++p) update_border(p);
 }
@@ -195,8 +196,8 @@ bool SubstitutionKernel::doubles_triangle(PointId u, PointId v) const {
   return false;
 }
 
-/// u → v may close a border loop of three edges (u, v, w). What appears there lies up to the loop's edge length from the
-/// surface, however near the samples are: that length is the least error of the substitution.
+/// u → v may close a border loop of three edges (u, v, w). What appears there lies up to the loop's edge
+/// length from the surface, however near the samples are: that length is the least error of the substitution.
 bool SubstitutionKernel::closes_hole(PointId u, PointId v) {
   for (PointId w : neighbours(u)) {
     if (w == v || edge_triangles(u, w) != 1 || edge_triangles(v, w) != 1) continue;
@@ -210,8 +211,8 @@ bool SubstitutionKernel::closes_hole(PointId u, PointId v) {
   return false;
 }
 
-/// No point may be left without a triangle, and something must be left to take the samples. Without the link condition
-/// the triangles around the corners that lose one need not change themselves, so they are guarded.
+/// No point may be left without a triangle, and something must be left to take the samples. Without the link
+/// condition the triangles around the corners that lose one need not change themselves, so they are guarded.
 bool SubstitutionKernel::loosely_legal(PointId u, PointId v) {
   std::uint32_t going = 0;
   for (TriangleId t : star(u)) {
@@ -241,8 +242,8 @@ void SubstitutionKernel::update_border(PointId p) {
   if (neighbours(p).size() != star(p).size()) flags_[p] |= flag_border;
 }
 
-/// u is the tip of an ear, its only triangle (u, v, w): the triangle across (v, w) must be there to take its samples
-/// and its birth. Without it the ear is a whole component, or ends at the cell's border.
+/// u is the tip of an ear, its only triangle (u, v, w): the triangle across (v, w) must be there to take its
+/// samples and its birth. Without it the ear is a whole component, or ends at the cell's border.
 bool SubstitutionKernel::ear_has_neighbour(PointId u, PointId v) const {
   const auto& c = corners_[star(u)[0]];
   const PointId w = c[0] + c[1] + c[2] - u - v;
@@ -276,7 +277,8 @@ bool SubstitutionKernel::map_wedges(PointId u, PointId v) {
     return wedges_[t][c[0] == p ? 0 : c[1] == p ? 1 : 2];
   };
   const auto find = [this](std::uint32_t wedge) {
-    return std::find_if(wedge_map_.begin(), wedge_map_.end(), [&](const auto& m) { return m.first == wedge; });
+    return std::find_if(wedge_map_.begin(), wedge_map_.end(),
+                        [&](const auto& m) { return m.first == wedge; });
   };
   for (TriangleId t : star(u)) {
     if (!has_corner(t, v)) continue;
@@ -297,7 +299,8 @@ bool SubstitutionKernel::legal(PointId u, PointId v) {
   if (!can_move(u) || removed(v) || !may_join(u, v)) return false;
   closed_hole_ = 0;
   guarded_.clear();
-  return (loose_topology_ ? loosely_legal(u, v) : link_condition(u, v)) && keeps_orientation(u, v) && (wedges_.empty() || map_wedges(u, v));
+  return (loose_topology_ ? loosely_legal(u, v) : link_condition(u, v)) && keeps_orientation(u, v) &&
+         (wedges_.empty() || map_wedges(u, v));
 }
 
 /// Samples of the patch and the points that leave, into the batch.
@@ -315,8 +318,8 @@ void SubstitutionKernel::collect_samples() {
   }
 }
 
-/// Triangles that take the samples and are reborn: those that u → v modifies; when it modifies none (u is the tip of
-/// an ear), what is left around v, so that v cannot go before u.
+/// Triangles that take the samples and are reborn: those that u → v modifies; when it modifies none (u is the
+/// tip of an ear), what is left around v, so that v cannot go before u.
 void SubstitutionKernel::choose_targets(PointId u, PointId v) {
   targets_.clear();
   for (TriangleId t : star(u))
@@ -370,9 +373,8 @@ void SubstitutionKernel::cover_patch(std::vector<Sphere>& balls) {
   const Vec3f to_grid = vec_cast<float>(origin_);
   const std::uint32_t seen = next_stamp();
   const auto known = [&balls](const Sphere& s) {
-    return std::any_of(balls.begin(), balls.end(), [&s](const Sphere& b) {
-      return b.radius == s.radius && b.centre == s.centre;
-    });
+    return std::any_of(balls.begin(), balls.end(),
+                       [&s](const Sphere& b) { return b.radius == s.radius && b.centre == s.centre; });
   };
   for (const auto* triangles : {&patch_, &targets_, &guarded_})
     for (TriangleId t : *triangles) {

@@ -92,7 +92,7 @@ Result<void> run_build(const BuildSettings& given) {
   options.metadata = build_metadata(facts, s);
   progress.update("build", Unit::triangles, 0, facts.triangles);
   auto built =
-      build_hierarchy(*mesh, s.output, options, [&](std::string_view, std::uint64_t done, std::uint64_t all) {
+      build_hierarchy(std::move(*mesh), s.output, options, [&](std::string_view, std::uint64_t done, std::uint64_t all) {
         return progress.update("build", Unit::triangles, done, all);
       });
   if (!built) return fail(built.error());
