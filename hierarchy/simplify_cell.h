@@ -14,7 +14,7 @@ struct SimplifyOptions {
   double pass_quantile = 0.1;
   /// A fan that is begun takes further neighbours up to this multiple of the threshold: more children per fan
   /// against a little more error (docs/design-notes.md has the measurements).
-  float fan_reach = 2.5f;
+  float fan_reach = 2.25f;
 };
 
 struct SimplifyResult {
