@@ -1,5 +1,5 @@
-// cuesta-bench-errors ORIGINAL FILE.cuesta [CSV]: what the reported errors are worth (I5), and triangles against
-// measured screen error. Every original vertex is measured against every cut; nothing is sampled.
+// cuesta-bench-errors ORIGINAL FILE.cuesta [CSV]: what the reported errors are worth (I5), and triangles
+// against measured screen error. Every original vertex is measured against every cut; nothing is sampled.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,7 +19,8 @@ namespace {
 using namespace cuesta;
 
 double clock_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
 }
 
 /// The file under test, its original, and a printed table that is a CSV file too.
@@ -107,7 +108,8 @@ bool view_cuts(Bench& bench) {
       const auto mesh = extract_mesh(bench.cut->draw_list());
       if (!mesh) return false;
       const auto distances = measure::point_distances(bench.original.positions, measure::make_tree(*mesh));
-      const auto error = measure::screen_error(bench.original.positions, distances, view, measure::Region::everywhere);
+      const auto error =
+          measure::screen_error(bench.original.positions, distances, view, measure::Region::everywhere);
       const auto pixels_at = [&](std::size_t i) {
         return view.pixels_per_unit() / length(bench.original.positions[i] - view.eye);
       };
@@ -124,18 +126,36 @@ bool view_cuts(Bench& bench) {
   return true;
 }
 
+/// Vertices that no triangle uses are not part of the surface.
+void drop_unused_vertices(SurfaceMesh& mesh) {
+  std::vector<std::uint32_t> number(mesh.positions.size(), 0xFFFFFFFFu);
+  std::vector<Vec3d> used;
+  for (auto& t : mesh.triangles)
+    for (std::uint32_t& v : t) {
+      if (number[v] == 0xFFFFFFFFu) {
+        number[v] = static_cast<std::uint32_t>(used.size());
+        used.push_back(mesh.positions[v]);
+      }
+      v = number[v];
+    }
+  mesh = {std::move(used), {}, {}, {}, std::move(mesh.triangles)};
+}
+
 int run(const char* original, const char* file, const char* csv) {
   Bench bench;
   auto mesh = load_mesh(original, std::uint64_t{1} << 34);
   if (!mesh) return std::fprintf(stderr, "%s\n", mesh.error().text().c_str()), exit_status(mesh.error().code);
   bench.original = std::move(*mesh);
+  drop_unused_vertices(bench.original);
   bench.diagonal = measure::bounding_diagonal(bench.original);
   auto opened = CuestaFile::open(file);
-  if (!opened) return std::fprintf(stderr, "%s\n", opened.error().text().c_str()), exit_status(opened.error().code);
+  if (!opened)
+    return std::fprintf(stderr, "%s\n", opened.error().text().c_str()), exit_status(opened.error().code);
   auto cut = Cut::open(std::move(*opened), std::numeric_limits<std::uint64_t>::max(), clock_ms);
   if (!cut) return std::fprintf(stderr, "%s\n", cut.error().text().c_str()), exit_status(cut.error().code);
   bench.cut = std::move(*cut);
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(csv ? std::fopen(csv, "w") : nullptr, std::fclose);
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(csv ? std::fopen(csv, "w") : nullptr,
+                                                            std::fclose);
   bench.csv = out.get();
   if (!uniform_cuts(bench) || !view_cuts(bench)) return 1;
   fmt::print("median bound/max over {} cuts: {:.3f}; vertices beyond a bound: {}\n", bench.ratios.size() - 1,
