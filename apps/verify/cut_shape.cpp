@@ -4,8 +4,6 @@
 #include <numeric>
 #include <utility>
 
-#include "hierarchy/seam_groups.h"
-
 namespace cuesta::verify {
 
 /// Between two points, with the direction in which one triangle runs along it.
@@ -41,8 +39,8 @@ void for_each_edge(const Edges& edges, const Visit& visit) {
 
 }  // namespace
 
-SurfaceShape::SurfaceShape(std::span<const Vec3i> positions, std::span<const Triangle> full)
-    : point_(seam_groups(positions, full)) {
+SurfaceShape::SurfaceShape(std::vector<std::uint32_t> point, std::span<const Triangle> full)
+    : point_(std::move(point)) {
   find_components(full);
   const auto edges = sorted_edges(full);
   full_ = shapes_of(full, edges);
@@ -114,7 +112,7 @@ std::uint64_t SurfaceShape::torn_edges(std::span<const Edge> edges,
     if (n % 2 == 1) all.push_back({e.low, e.high, true});
   });
   for (const auto& [from, to] : border_) {
-    const std::uint32_t a = point_[ancestor[from]], b = point_[ancestor[to]];
+    const std::uint32_t a = ancestor[point_[from]], b = ancestor[point_[to]];
     if (a != b) all.push_back({std::min(a, b), std::max(a, b), true});
   }
   std::sort(all.begin(), all.end());

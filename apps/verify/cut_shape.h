@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "ooc/vec.h"
-
 namespace cuesta::verify {
 
 using Triangle = std::array<std::uint32_t, 3>;
@@ -21,16 +19,16 @@ struct ComponentShape {
   std::uint64_t irregular_edges = 0;  ///< with more than two triangles, or two in one direction
 };
 
-/// Points of the full surface: wedges are one point where the surface is joined across them (seam_groups.h).
+/// The full surface, its wedges taken together as points.
 class SurfaceShape {
  public:
-  /// @param positions  one per vertex slot, also of those that no triangle uses
+  /// @param point  per vertex slot: the slot that names its point (slot_points.h)
   /// @cost O(n log n), 60 bytes per triangle for a while.
-  SurfaceShape(std::span<const Vec3i> positions, std::span<const Triangle> full);
+  SurfaceShape(std::vector<std::uint32_t> point, std::span<const Triangle> full);
 
   std::span<const ComponentShape> components() const { return full_; }
-  /// @param ancestor  per slot: the slot that stands for it in the cut, itself if active
-  /// Sentences for what a cut has that the full surface has not: cracks; and where topology is kept,
+  /// @param ancestor  per point (by its naming slot): the point that stands for it in the cut, itself if
+  /// active Sentences for what a cut has that the full surface has not: cracks; and where topology is kept,
   /// irregular edges and another Euler characteristic of a closed component. Components may be absent, and
   /// border loops may close.
   std::vector<std::string> complaints(std::span<const Triangle> cut, std::span<const std::uint32_t> ancestor,

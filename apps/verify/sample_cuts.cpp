@@ -7,6 +7,7 @@
 
 #include "apps/measure/surface_distance.h"
 #include "apps/verify/cut_shape.h"
+#include "apps/verify/slot_points.h"
 #include "runtime/cut.h"
 
 namespace cuesta::verify {
@@ -30,13 +31,6 @@ std::vector<Triangle> triangles_of(const DrawList& list) {
   return out;
 }
 
-std::vector<Vec3i> positions_of(const DrawList& list) {
-  std::vector<Vec3i> out;
-  out.reserve(list.vertices.size());
-  for (const DrawVertex& v : list.vertices) out.push_back({v.x, v.y, v.z});
-  return out;
-}
-
 /// A cut to look at: where from, and how fine.
 struct Sample {
   std::string name;
@@ -47,16 +41,19 @@ struct Sample {
 
 class CutSampler {
  public:
-  CutSampler(Cut& cut, VerifyReport& report) : cut_(cut), report_(report), grid_(cut.directory().grid) {}
+  CutSampler(const CuestaFile& file, Cut& cut, VerifyReport& report)
+      : file_(file), cut_(cut), report_(report), grid_(cut.directory().grid) {}
 
   Result<void> run(const VerifyProgress& progress) {
     const auto full = settle(ErrorScale::uniform(grid_), -1);
     if (!full) return {};
     const DrawList list = cut_.draw_list();
-    positions_ = positions_of(list);
-    for (const Vec3i& p : positions_) world_.push_back(grid_.world(p));
+    for (const DrawVertex& v : list.vertices) world_.push_back(grid_.world({v.x, v.y, v.z}));
     collect_originals(*full);
-    const SurfaceShape shape(positions_, *full);
+    auto points = slot_points(file_, cut_.cache(), world_.size());
+    if (!points) return fail(points.error());
+    points_ = *points;
+    const SurfaceShape shape(std::move(*points), *full);
     check_full(*full, shape);
     make_views();
     const auto samples = choose_samples();
@@ -90,7 +87,7 @@ class CutSampler {
 
   void check_full(std::span<const Triangle> full, const SurfaceShape& shape) {
     const Directory& d = cut_.directory();
-    if (full.size() != d.triangles || originals_.size() != d.vertices)
+    if (full.size() != d.triangles || originals_.size() < d.vertices)
       report_.add(Check::crack_free, no_page, full.size(),
                   "at full resolution there are " + std::to_string(full.size()) + " triangles and " +
                       std::to_string(originals_.size()) + " vertices, the directory says " +
@@ -169,14 +166,16 @@ class CutSampler {
     return uniform_error < static_cast<double>(report_.topology_kept_below);
   }
 
-  /// For each slot the one that its applied substitutions lead to.
+  /// For each point the one that applied substitutions lead to. A point moves with all its wedges, also with
+  /// those that no triangle used any more and so no substitution names.
   std::vector<std::uint32_t> ancestors() const {
-    std::vector<std::uint32_t> up(positions_.size());
+    std::vector<std::uint32_t> up(world_.size());
     for (std::uint32_t v = 0; v < up.size(); ++v) up[v] = v;
     for (PageId id : cut_.cache().resident_ids()) {
       const ResidentPage& page = *cut_.cache().resident(id);
       for (const FanState& fan : page.fans())
-        for (const ChildState& c : page.children(fan).first(fan.applied)) up[c.from_slot] = c.to_slot;
+        for (const ChildState& c : page.children(fan).first(fan.applied))
+          up[points_[c.from_slot]] = points_[c.to_slot];
     }
     for (std::uint32_t& v : up)
       while (up[v] != v) v = up[v];
@@ -205,12 +204,13 @@ class CutSampler {
     report_.median_bound_ratio = ratios_[ratios_.size() / 2];
   }
 
+  const CuestaFile& file_;
   Cut& cut_;
   VerifyReport& report_;
   Grid grid_;
   AdaptReport last_;
   double diagonal_ = 0;
-  std::vector<Vec3i> positions_;
+  std::vector<std::uint32_t> points_;  // per slot
   std::vector<Vec3d> world_, originals_;
   std::array<View, view_count> views_{};
   std::vector<double> ratios_;
@@ -227,12 +227,14 @@ Result<void> verify_cuts(const std::filesystem::path& path, const SampleOptions&
                              " triangles, the limit is " + std::to_string(options.max_triangles));
     return {};
   }
-  auto cut = Cut::open(std::move(*file), std::numeric_limits<std::uint64_t>::max(), no_clock);
+  auto again = CuestaFile::open(path);
+  if (!again) return fail(again.error());
+  auto cut = Cut::open(std::move(*again), std::numeric_limits<std::uint64_t>::max(), no_clock);
   if (!cut) {
     report.skipped.push_back("sample cuts: the base page cannot be used: " + cut.error().text());
     return {};
   }
-  return CutSampler(**cut, report).run(progress);
+  return CutSampler(*file, **cut, report).run(progress);
 }
 
 }  // namespace cuesta::verify

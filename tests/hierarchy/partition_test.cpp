@@ -6,7 +6,7 @@
 #include <random>
 #include <set>
 
-#include "hierarchy/seam_groups.h"
+#include "tests/hierarchy/seam_groups.h"
 
 namespace cuesta {
 namespace {

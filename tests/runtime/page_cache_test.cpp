@@ -8,6 +8,7 @@
 
 #include "apps/verify/cut_shape.h"
 #include "hierarchy/bounding_sphere.h"
+#include "tests/hierarchy/seam_groups.h"
 #include "tests/runtime/open_file.h"
 
 namespace cuesta::test {
@@ -58,7 +59,7 @@ TEST(PageCache, crack_free_whatever_is_resident) {
     for (const Range& r : list.draws)
       for (std::uint32_t i = r.first; i < r.first + r.count; i += 3)
         triangles.push_back({list.indices[i], list.indices[i + 1], list.indices[i + 2]});
-    const verify::SurfaceShape shape(positions, triangles);
+    const verify::SurfaceShape shape(seam_groups(positions, triangles), triangles);
     for (const auto& component : shape.components())
       ASSERT_EQ(component.border_edges, 0u) << "seed 12, frame " << frame;
   }

@@ -1,4 +1,4 @@
-#include "hierarchy/seam_groups.h"
+#include "tests/hierarchy/seam_groups.h"
 
 #include <algorithm>
 #include <numeric>
