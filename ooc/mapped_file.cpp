@@ -22,24 +22,23 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& path) {
   // O_NONBLOCK: opening a named pipe must not wait for a writer.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) return os_error(path, "cannot open");
+  auto file = map(descriptor, path);
+  ::close(descriptor);
+  return file;
+}
+
+Result<MappedFile> MappedFile::map(int descriptor, const std::filesystem::path& path) {
   MappedFile file;
   struct stat info {};
-  if (::fstat(descriptor, &info) != 0 || !S_ISREG(info.st_mode)) {
-    ::close(descriptor);
+  if (::fstat(descriptor, &info) != 0 || !S_ISREG(info.st_mode))
     return fail(ErrorCode::io, path.string(), "", "expected a regular file");
-  }
   if (info.st_size > 0) {
     const std::size_t size = static_cast<std::size_t>(info.st_size);
     void* map = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor, 0);
-    if (map == MAP_FAILED) {
-      auto error = os_error(path, "cannot map into memory");
-      ::close(descriptor);
-      return error;
-    }
+    if (map == MAP_FAILED) return os_error(path, "cannot map into memory");
     file.data_ = static_cast<const char*>(map);
     file.size_ = size;
   }
-  ::close(descriptor);
   return file;
 }
 

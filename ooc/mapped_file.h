@@ -15,6 +15,8 @@ class MappedFile {
  public:
   /// @error not_found; io, also for a folder or a device. An empty file is an empty span.
   static Result<MappedFile> open(const std::filesystem::path& path);
+  /// The file behind an open descriptor, which stays open and the caller's. @param path for messages.
+  static Result<MappedFile> map(int descriptor, const std::filesystem::path& path);
   MappedFile() = default;
   MappedFile(MappedFile&& other) noexcept;
   MappedFile& operator=(MappedFile&& other) noexcept;

@@ -10,6 +10,7 @@
 #include "ooc/mapped_file.h"
 #include "ooc/read_job.h"
 #include "ooc/text_cursor.h"
+#include "ooc/unpacked_file.h"
 
 namespace cuesta {
 namespace {
@@ -67,29 +68,58 @@ Reader reader_by_extension(const std::filesystem::path& path) {
   return nullptr;
 }
 
-Result<ReadReport> read_into(const std::filesystem::path& path, MeshSink& sink, ReadBudget& budget,
-                             const ReadProgress& progress,
-                             std::function<Result<void>(std::uint64_t, std::uint64_t)> expect) {
-  auto file = MappedFile::open(path);
-  if (!file) return fail(std::move(file).error());
-  const std::span<const char> bytes = file->bytes();
-  const ReadJob job{path, bytes, sink, budget, progress, std::move(expect)};
-  if (bytes.empty()) return job.corrupt_at(0, "expected a mesh, found an empty file");
-  Reader reader = reader_by_content(bytes);
-  if (!reader) reader = reader_by_extension(path);
+using Expect = std::function<Result<void>(std::uint64_t vertices, std::uint64_t triangles)>;
+
+/// @param name  of the file, or of what was compressed in it
+Result<ReadReport> read_bytes(const ReadJob& job, const std::filesystem::path& name) {
+  if (job.bytes.empty()) return job.corrupt_at(0, "expected a mesh, found an empty file");
+  Reader reader = reader_by_content(job.bytes);
+  if (!reader) reader = reader_by_extension(name);
   if (!reader) {
     return job.error(
         ErrorCode::unsupported_version, "byte 0",
         "not a mesh format known here; PLY, OBJ, STL, OFF, glTF, GLB and Draco (.drc) files can be read");
   }
+  try {
+    return reader(job);
+  } catch (const std::bad_alloc&) {
+    return job.error(ErrorCode::out_of_budget, "", "the system has no memory left");
+  }
+}
+
+/// Two passes over one file: unpacking is the first half of its bytes, reading the second.
+Result<ReadReport> read_compressed(const ReadJob& job, Compression compression,
+                                   const std::filesystem::path& temp) {
+  const std::uint64_t packed_bytes = job.bytes.size(), half = packed_bytes / 2;
+  UnpackLimits limits;
+  limits.memory_bytes = job.budget.left();
+  const auto unpacking = [&](std::uint64_t done) {
+    return !job.progress || job.progress(done / 2, packed_bytes);
+  };
+  auto file = unpack_file(job.path, job.bytes, compression, temp, limits, unpacking);
+  if (!file) return fail(std::move(file).error());
   file->advise_sequential();
-  Result<ReadReport> report = [&]() -> Result<ReadReport> {
-    try {
-      return reader(job);
-    } catch (const std::bad_alloc&) {
-      return job.error(ErrorCode::out_of_budget, "", "the system has no memory left");
-    }
-  }();
+  const ReadProgress reading = [&](std::uint64_t done, std::uint64_t total) {
+    const double part = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 1;
+    return !job.progress ||
+           job.progress(half + static_cast<std::uint64_t>(part * static_cast<double>(packed_bytes - half)),
+                        packed_bytes);
+  };
+  auto report =
+      read_bytes({job.path, file->bytes(), job.sink, job.budget, reading, job.expect}, name_inside(job.path));
+  if (!report && !report.error().place.empty()) report.error().place += " unpacked";
+  return report;
+}
+
+Result<ReadReport> read_into(const std::filesystem::path& path, MeshSink& sink, ReadBudget& budget,
+                             const ReadProgress& progress, const std::filesystem::path& temp, Expect expect) {
+  auto file = MappedFile::open(path);
+  if (!file) return fail(std::move(file).error());
+  file->advise_sequential();
+  const ReadJob job{path, file->bytes(), sink, budget, progress, std::move(expect)};
+  const Compression compression = compression_of(job.bytes);
+  auto report =
+      compression == Compression::none ? read_bytes(job, path) : read_compressed(job, compression, temp);
   if (!report && report.error().file.empty()) report.error().file = path.string();
   return report;
 }
@@ -164,17 +194,18 @@ class CollectingSink : public MeshSink {
 }  // namespace
 
 Result<ReadReport> read_mesh(const std::filesystem::path& path, MeshSink& sink, std::uint64_t memory_bytes,
-                             const ReadProgress& progress) {
+                             const ReadProgress& progress, const std::filesystem::path& temp) {
   ReadBudget budget(memory_bytes);
-  return read_into(path, sink, budget, progress, {});
+  return read_into(path, sink, budget, progress, temp, {});
 }
 
 Result<SurfaceMesh> load_mesh(const std::filesystem::path& path, std::uint64_t memory_bytes,
-                              ReadReport* report, const ReadProgress& progress) {
+                              ReadReport* report, const ReadProgress& progress,
+                              const std::filesystem::path& temp) {
   SurfaceMesh mesh;
   ReadBudget budget(memory_bytes);
   CollectingSink sink(mesh, budget);
-  auto done = read_into(path, sink, budget, progress,
+  auto done = read_into(path, sink, budget, progress, temp,
                         [&sink](std::uint64_t v, std::uint64_t t) { return sink.expect(v, t); });
   if (!done) return fail(std::move(done).error());
   if (report) *report = *done;

@@ -48,9 +48,12 @@ Result<void> check_memory(const BuildSettings& s, std::uint64_t triangles) {
 }
 
 Result<GridMesh> read_and_clean(const BuildSettings& s, BuildFacts& facts, Progress& progress) {
-  auto mesh = load_mesh(s.input, s.memory_bytes, &facts.read, [&](std::uint64_t done, std::uint64_t total) {
-    return progress.update("read", Unit::bytes, done, total);
-  });
+  auto mesh = load_mesh(
+      s.input, s.memory_bytes, &facts.read,
+      [&](std::uint64_t done, std::uint64_t total) {
+        return progress.update("read", Unit::bytes, done, total);
+      },
+      s.temp);
   if (!mesh) return fail(mesh.error());
   if (auto r = check_memory(s, mesh->triangles.size()); !r) return fail(r.error());
   progress.update("clean", Unit::none, 0, 0);

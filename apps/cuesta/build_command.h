@@ -10,7 +10,8 @@ namespace cuesta::app {
 
 struct BuildSettings {
   std::filesystem::path input;
-  std::filesystem::path output;    ///< empty: the input's name with .cuesta
+  std::filesystem::path output;  ///< empty: the input's name with .cuesta
+  std::filesystem::path temp;    ///< folder for what compressed inputs unpack to; empty: TMPDIR, or else /tmp
   std::uint64_t memory_bytes = 0;  ///< 0: three quarters of the machine's
   double step = 0;                 ///< grid step in world units; 0 chooses
   std::uint32_t cell_triangles = 1u << 15;

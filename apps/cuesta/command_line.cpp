@@ -119,7 +119,9 @@ CLI::Option* add_camera(CLI::App* app, std::optional<CameraText>& camera) {
 void add_build(CLI::App& program, Common& common) {
   Command<BuildSettings> c(
       program, "build", "Builds a .cuesta file from a mesh file.",
-      "Reads PLY, OBJ, STL, OFF, glTF, GLB or Draco; drops what is no surface (degenerate,\n"
+      "Reads PLY, OBJ, STL, OFF, glTF, GLB or Draco, each also in gzip (.ply.gz) or Zstandard\n"
+      "(.obj.zst), which are unpacked to a temporary file without a name; drops what is no surface "
+      "(degenerate,\n"
       "duplicate and non-finite faces), cuts non-manifold edges, snaps vertices to a grid, and\n"
       "writes all levels of detail into one file. What was dropped is counted and told.\n\n"
       "Example:\n  cuesta build bunny.ply -o bunny.cuesta --memory 4G");
@@ -129,6 +131,8 @@ void add_build(CLI::App& program, Common& common) {
            "file to write; default: INPUT's name with .cuesta, in this folder");
   add_parsed(c.app, "--memory", "SIZE", "memory to use, such as 512M or 8G; default: 3/4 of the machine's",
              store(parse_bytes, s.memory_bytes));
+  add_path(c.app, "--temp", s.temp, "folder for temporary data; default: TMPDIR, or else /tmp")
+      ->type_name("DIR");
   c.app->add_option("--step", s.step, "grid step in the mesh's units; default: 1/64 of the median edge")
       ->type_name("S")
       ->check(CLI::PositiveNumber);
