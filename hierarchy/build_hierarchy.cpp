@@ -242,7 +242,26 @@ class HierarchyBuilder {
     return {};
   }
 
+  /// A page is never wanted without the pages it leans on: their error and bound cover its own.
+  void saturate_pages() {
+    std::vector<std::vector<Sphere>> balls(directory_.pages.size());
+    for (PageId id = 0; id < directory_.pages.size(); ++id) {
+      PageEntry& e = directory_.pages[id];
+      if (!balls[id].empty()) {
+        balls[id].push_back(e.bound);
+        const Vec3i at = vec_cast<std::int32_t>(e.bound.centre);
+        e.bound = decode_sphere(enclose(balls[id], at), at);
+      }
+      for (PageId c : e.coarser) {
+        PageEntry& coarser = directory_.pages[c];
+        coarser.largest_error = std::max(coarser.largest_error, e.largest_error);
+        balls[c].push_back(e.bound);
+      }
+    }
+  }
+
   Result<void> finish() {
+    saturate_pages();
     directory_.grid = mesh_.grid;
     Box3<std::int32_t> box;
     for (const Vec3i& p : mesh_.positions) box.add(p);

@@ -1,25 +1,29 @@
 #include "hierarchy/deviation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace cuesta {
 namespace {
 
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
+#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && \
+    !defined(__clang__)
 // One source, two encodings, the same IEEE operations: the result does not depend on the machine (I6).
 #define CUESTA_VECTOR_CLONES __attribute__((target_clones("avx2", "default"), optimize("O3")))
 #else
 #define CUESTA_VECTOR_CLONES
 #endif
 
-/// The triangle's constants, computed once for all points.
+/// The triangle's constants, computed once for all points. Directions come from f64: the normal of a needle
+/// would be lost to cancellation in f32.
 struct Planes {
   Vec3f a, b, c;
   Vec3f ab, bc, ca;
-  Vec3f n;                   // not normalised
-  Vec3f in_ab, in_bc, in_ca;  // edge × normal: positive outside
-  float inv_ab, inv_bc, inv_ca, inv_n;
+  Vec3f n;                    // unit, zero for a degenerate triangle
+  Vec3f in_ab, in_bc, in_ca;  // unit, in the plane, positive outside
+  float inv_ab, inv_bc, inv_ca;
+  bool degenerate;
 };
 
 float inverse(float squared) {
@@ -27,15 +31,17 @@ float inverse(float squared) {
 }
 
 Planes planes_of(Vec3f a, Vec3f b, Vec3f c) {
-  Planes p{a, b, c, b - a, c - b, a - c, {}, {}, {}, {}, 0, 0, 0, 0};
-  p.n = cross(p.ab, c - a);
-  p.in_ab = cross(p.ab, p.n);
-  p.in_bc = cross(p.bc, p.n);
-  p.in_ca = cross(p.ca, p.n);
+  const Vec3d ab = vec_cast<double>(b) - vec_cast<double>(a);
+  const Vec3d bc = vec_cast<double>(c) - vec_cast<double>(b);
+  const Vec3d ca = vec_cast<double>(a) - vec_cast<double>(c);
+  const Vec3d n = normalized(cross(ab, -ca));
+  const auto outwards = [&n](Vec3d e) { return vec_cast<float>(normalized(cross(e, n))); };
+  Planes p{a, b, c, b - a, c - b, a - c, vec_cast<float>(n), outwards(ab), outwards(bc), outwards(ca),
+           0, 0, 0, false};
   p.inv_ab = inverse(dot(p.ab, p.ab));
   p.inv_bc = inverse(dot(p.bc, p.bc));
   p.inv_ca = inverse(dot(p.ca, p.ca));
-  p.inv_n = inverse(dot(p.n, p.n));
+  p.degenerate = !(dot(n, n) > 0);
   return p;
 }
 
@@ -53,8 +59,9 @@ inline float to_segment(float px, float py, float pz, Vec3f e, float inv) {
 }
 
 CUESTA_VECTOR_CLONES
-void measure_all(std::size_t n, const float* __restrict x, const float* __restrict y, const float* __restrict z,
-                 float* __restrict best, std::int32_t* __restrict nearest, const Planes p, std::int32_t index) {
+void measure_all(std::size_t n, const float* __restrict x, const float* __restrict y,
+                 const float* __restrict z, float* __restrict best, std::int32_t* __restrict nearest,
+                 const Planes p, std::int32_t index) {
   for (std::size_t i = 0; i < n; ++i) {
     const float ax = x[i] - p.a.x, ay = y[i] - p.a.y, az = z[i] - p.a.z;
     const float bx = x[i] - p.b.x, by = y[i] - p.b.y, bz = z[i] - p.b.z;
@@ -64,12 +71,12 @@ void measure_all(std::size_t n, const float* __restrict x, const float* __restri
     const float oca = cx * p.in_ca.x + cy * p.in_ca.y + cz * p.in_ca.z;
     const float outside = std::max(std::max(oab, obc), oca);
     const float h = ax * p.n.x + ay * p.n.y + az * p.n.z;
-    const float plane = h * h * p.inv_n;
+    const float plane = h * h;
     const float dab = to_segment(ax, ay, az, p.ab, p.inv_ab);
     const float dbc = to_segment(bx, by, bz, p.bc, p.inv_bc);
     const float dca = to_segment(cx, cy, cz, p.ca, p.inv_ca);
     const float edge = std::min(std::min(dab, dbc), dca);
-    const float d = (outside <= 0.0f && p.inv_n > 0.0f) ? plane : edge;
+    const float d = (outside <= 0.0f && !p.degenerate) ? plane : edge;
     nearest[i] = d < best[i] ? index : nearest[i];
     best[i] = d < best[i] ? d : best[i];
   }
@@ -94,13 +101,18 @@ void DeviationBatch::add(Vec3f p) {
 }
 
 void DeviationBatch::measure(Vec3f a, Vec3f b, Vec3f c, std::int32_t index) {
-  measure_all(size_, x_.data(), y_.data(), z_.data(), best_.data(), nearest_.data(), planes_of(a, b, c), index);
+  longest_edge_squared_ =
+      std::max({longest_edge_squared_, dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
+  measure_all(size_, x_.data(), y_.data(), z_.data(), best_.data(), nearest_.data(), planes_of(a, b, c),
+              index);
 }
 
-float DeviationBatch::worst_squared() const {
+float DeviationBatch::worst_bound() const {
   float worst = 0;
   for (std::size_t i = 0; i < size_; ++i) worst = std::max(worst, best_[i]);
-  return worst;
+  const float rounding = std::sqrt(longest_edge_squared_) * rounding_per_length;
+  if (worst == 0 && rounding < negligible) return 0;
+  return std::sqrt(worst) * (1 + relative_rounding) + rounding;
 }
 
 }  // namespace cuesta

@@ -9,27 +9,41 @@
 
 namespace cuesta {
 
-/// Points in structure-of-arrays form, with the squared distance to, and the index of, the nearest triangle so far.
-/// Filled, measured and read back within one substitution; reused, so it does not allocate after warm-up.
+/// Points in structure-of-arrays form, with the squared distance to, and the index of, the nearest triangle
+/// so far. Filled, measured and read back within one substitution; reused, so it does not allocate after
+/// warm-up.
 class DeviationBatch {
  public:
-  void clear() { size_ = 0; }
+  /// What f32 arithmetic may take away from a distance: a share of it, and a share of the triangles' longest
+  /// edge.
+  static constexpr float relative_rounding = 1e-5f;
+  static constexpr float rounding_per_length = 0x1p-20f;
+  /// Grid units that nobody asks for: flat stays flat if no more than this could have been rounded away.
+  static constexpr float negligible = 0x1p-6f;
+
+  void clear() {
+    size_ = 0;
+    longest_edge_squared_ = 0;
+  }
   std::size_t size() const { return size_; }
   void add(Vec3f p);
 
   /// Distances to triangle (a, b, c); a point that is nearer to it than to all before takes `index`.
-  /// Exact up to float rounding of coordinate differences. @cost about 1 ns per point with AVX2.
+  /// Coordinates are integers below 2^24; exact up to the rounding named above. @cost about 1 ns per point
+  /// with AVX2.
   void measure(Vec3f a, Vec3f b, Vec3f c, std::int32_t index);
 
   float squared_distance(std::size_t i) const { return best_[i]; }
   std::int32_t nearest(std::size_t i) const { return nearest_[i]; }
   Vec3f point(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
-  /// Largest squared distance over all points; 0 when empty.
-  float worst_squared() const;
+  /// Upper bound of the largest distance over all points, to within `negligible`; 0 if they are found to lie
+  /// on the triangles, or there are none.
+  float worst_bound() const;
 
  private:
   void grow();
   std::size_t size_ = 0;
+  float longest_edge_squared_ = 0;
   std::vector<float> x_, y_, z_, best_;
   std::vector<std::int32_t> nearest_;
 };

@@ -18,30 +18,32 @@ namespace cuesta {
 struct PageEntry {
   BlockRef block;
   std::uint32_t round = 0;
-  std::uint32_t vertices = 0;         ///< local, at the start of its round
+  std::uint32_t vertices = 0;  ///< local, at the start of its round
   std::uint32_t triangles = 0;
   std::uint32_t owned_vertices = 0;
   std::uint32_t owned_triangles = 0;
-  ErrorCode8 least_error = 0;         ///< of its substitutions
-  ErrorCode8 largest_error = 0;
-  Sphere bound;                       ///< contains the spheres of its fans, and its triangles; grid units
-  std::vector<PageId> coarser;        ///< pages of the next round that hold its survivors; empty for the base page
+  ErrorCode8 least_error = 0;    ///< of its substitutions
+  ErrorCode8 largest_error = 0;  ///< of its substitutions and those of all pages that lean on it
+  Sphere bound;  ///< contains the spheres of its fans, its triangles, and the bounds of the pages
+                 ///< that lean on it; grid units
+  std::vector<PageId> coarser;  ///< pages of the next round that hold its survivors; empty for the base page
 };
 
 struct Directory {
   Grid grid;
-  Vec3i lo, hi;                       ///< box of all vertices, grid units
-  std::uint64_t vertices = 0;         ///< of the full-resolution surface
+  Vec3i lo, hi;                ///< box of all vertices, grid units
+  std::uint64_t vertices = 0;  ///< of the full-resolution surface
   std::uint64_t triangles = 0;
   bool has_normals = false, has_colours = false, has_texcoords = false;
-  std::vector<PageEntry> pages;       ///< finer before coarser; the last one is the base page
-  std::string metadata;               ///< JSON object: inputs, options, counted warnings, program version
+  std::vector<PageEntry> pages;  ///< finer before coarser; the last one is the base page
+  std::string metadata;          ///< JSON object: inputs, options, counted warnings, program version
 
   PageId base() const { return static_cast<PageId>(pages.size() - 1); }
 };
 
 std::vector<std::byte> encode_directory(const Directory& directory);
-/// @error corrupt. Checks every reference: coarser pages come later and belong to the next round, bounds are finite.
+/// @error corrupt. Checks every reference: coarser pages come later and belong to the next round, bounds are
+/// finite.
 Result<Directory> decode_directory(std::span<const std::byte> bytes);
 
 }  // namespace cuesta

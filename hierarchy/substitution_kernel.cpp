@@ -14,8 +14,6 @@ namespace {
 constexpr float least_cosine = 0.2f;
 /// Weight of the plane that stands on a border edge, against the area weights of the surface's own planes.
 constexpr float border_weight = 2.0f;
-/// Relative rounding of a float distance, with room: measured deviations are raised by it.
-constexpr float rounding_margin = 1 + 1e-5f;
 
 }  // namespace
 
@@ -156,31 +154,38 @@ float SubstitutionKernel::cost(PointId u, PointId v) const {
   return q.at(position_[v] - position_[u]) / std::sqrt(q.weight);
 }
 
+/// Link(u) ∩ Link(v) = Link(uv): the points joined to both are the third corners of the triangles at the
+/// edge, and no triangle around u becomes one that v has. Source: Dey, Edelsbrunner, Guha, Nekhayev,
+/// "Topology preserving edge contraction", 1999.
 bool SubstitutionKernel::link_condition(PointId u, PointId v) {
-  // Points joined to v, and of these the third corners of triangles at the edge (u, v).
   const std::uint32_t near_v = next_stamp();
   for (TriangleId t : star(v))
     for (PointId q : corners_[t]) stamp_[q] = near_v;
   const bool v_locked = (flags_[v] & flag_locked) != 0;
-  std::uint32_t at_edge = 0, modified = 0;
-  for (TriangleId t : star(u)) has_corner(t, v) ? ++at_edge : ++modified;
-  if (at_edge != (border(u) ? 1u : 2u)) return false;
   const std::uint32_t counted = next_stamp();
-  std::uint32_t common = 0;
+  std::uint32_t at_edge = 0;
+  for (TriangleId t : star(u)) {
+    if (!has_corner(t, v)) continue;
+    ++at_edge;
+    for (PointId q : corners_[t])
+      if (q != u && q != v && std::exchange(stamp_[q], counted) == counted)
+        return false;  // doubled triangles
+  }
+  if (at_edge != (border(u) ? 1u : 2u)) return false;
+  std::uint32_t others_in_common = 0;
   for (TriangleId t : star(u))
     for (PointId q : corners_[t]) {
       if (q == u || q == v || stamp_[q] == counted) continue;
-      if (stamp_[q] == near_v) ++common;
+      if (stamp_[q] == near_v) ++others_in_common;
       // A new edge between locked points might exist already in the neighbouring cell.
       else if (v_locked && (flags_[q] & flag_locked) != 0)
         return false;
       stamp_[q] = counted;
     }
-  if (common == at_edge + 1 && border(u)) return closes_hole(u, v);
-  if (common != at_edge) return false;
-  if (modified == 0) return ear_has_neighbour(u, v);
-  // Only with three triangles around u can the one that stays double one of v's.
-  return modified != 1 || border(u) || !doubles_triangle(u, v);
+  if (others_in_common == 1 && border(u)) return closes_hole(u, v);
+  if (others_in_common != 0) return false;
+  if (star_size_[u] == at_edge) return ear_has_neighbour(u, v);
+  return !doubles_triangle(u, v);
 }
 
 /// Would a triangle that u → v modifies have the corners of one that v has already?
@@ -345,7 +350,7 @@ float SubstitutionKernel::measure(PointId u, PointId v) {
   collect_samples();
   choose_targets(u, v);
   measure_targets(u, v);
-  return std::max(std::sqrt(batch_.worst_squared()) * rounding_margin, closed_hole_);
+  return std::max(batch_.worst_bound(), closed_hole_);
 }
 
 float SubstitutionKernel::measure_absorption(std::span<const PointId> members, PointId v) {
@@ -358,7 +363,7 @@ float SubstitutionKernel::measure_absorption(std::span<const PointId> members, P
   collect_samples();
   targets_.assign(star(v).begin(), star(v).end());
   measure_targets(none, none);
-  return std::sqrt(batch_.worst_squared()) * rounding_margin;
+  return batch_.worst_bound();
 }
 
 float SubstitutionKernel::birth_error() const {

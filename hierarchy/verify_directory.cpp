@@ -50,7 +50,8 @@ void check_errors(PageId id, const PageEntry& e, const Page& page, VerifyReport&
     least = std::min(least, c.error);
     largest = std::max(largest, c.error);
   }
-  if (least != e.least_error || largest != e.largest_error)
+  // The entry's largest error covers finer pages too: check_saturation() looks at those.
+  if (least != e.least_error || largest > e.largest_error)
     report.add(Check::directory, id, e.largest_error,
                "errors are from " + text(least) + " to " + text(largest) + ", the entry says " +
                    text(e.least_error) + " to " + text(e.largest_error));
@@ -73,8 +74,24 @@ void check_bound(PageId id, const PageEntry& e, const Page& page, std::span<cons
 
 }  // namespace
 
+namespace {
+
+/// A page is never wanted without the pages it leans on.
+void check_saturation(const Directory& d, VerifyReport& report) {
+  for (PageId id = 0; id < d.pages.size(); ++id)
+    for (PageId c : d.pages[id].coarser)
+      if (c < d.pages.size() && (d.pages[c].largest_error < d.pages[id].largest_error ||
+                                 !contains(d.pages[c].bound, d.pages[id].bound)))
+        report.add(
+            Check::directory, c, id,
+            "its error and bound do not cover those of page " + std::to_string(id) + ", which leans on it");
+}
+
+}  // namespace
+
 bool check_directory(const Directory& d, std::uint64_t file_bytes, VerifyReport& report) {
   check_totals(d, report);
+  check_saturation(d, report);
   check_blocks(d, file_bytes, report);
   const std::uint32_t rounds = d.pages.back().round;
   if (rounds >= most_rounds)

@@ -54,7 +54,9 @@ void compare(std::uint32_t seed, int points, int size, double tolerance) {
       EXPECT_GE(batch.nearest(k), 0);
       worst = std::max(worst, expected[k]);
     }
-    EXPECT_NEAR(std::sqrt(batch.worst_squared()), worst, tolerance * size);
+    EXPECT_GE(static_cast<double>(batch.worst_bound() + DeviationBatch::negligible), worst)
+        << "seed " << seed << ", case " << i;
+    EXPECT_NEAR(batch.worst_bound(), worst, tolerance * size);
   }
 }
 
@@ -70,6 +72,28 @@ TEST(Deviation, tiny_triangles) {
 }
 TEST(Deviation, large_coordinates) {
   compare(4, 20, 1 << 20, 1e-4);
+}
+
+// Long triangles of a width of a few grid units: a float normal would point anywhere.
+TEST(Deviation, bounds_needles) {
+  std::mt19937 random(5);
+  for (const int size : {1000, 30000, 1 << 20})
+    for (int i = 0; i < 20000; ++i) {
+      const Vec3f a = random_point(random, size), b = random_point(random, size);
+      const auto along = [&](int off) {
+        const Vec3f m = a + (b - a) * (static_cast<float>(random() % 1000) / 1000);
+        return Vec3f{std::round(m.x), std::round(m.y), std::round(m.z)} + random_point(random, off);
+      };
+      const Vec3f c = along(3), p = along(1 << (1 + random() % 7));
+      DeviationBatch batch;
+      batch.add(p);
+      batch.measure(a, b, c, 0);
+      const double distance =
+          to_triangle(vec_cast<double>(p), vec_cast<double>(a), vec_cast<double>(b), vec_cast<double>(c));
+      ASSERT_GE(static_cast<double>(batch.worst_bound() + DeviationBatch::negligible), distance)
+          << "size " << size << ", case " << i;
+      ASSERT_LE(static_cast<double>(batch.worst_bound()), distance * 1.0001 + size * 2e-5) << "case " << i;
+    }
 }
 
 TEST(Deviation, degenerate_triangles_are_edges_and_points) {

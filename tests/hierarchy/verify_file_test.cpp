@@ -47,11 +47,17 @@ TEST_F(Verify, good_file_written_again_is_good) {
 TEST_F(Verify, finds_an_error_below_its_dependencies) {
   const auto report = after([](Contents& c) {
     for (Child& child : c.pages.back().script.children) child.error = 0;
-    c.directory.pages.back().least_error = c.directory.pages.back().largest_error = 0;
+    c.directory.pages.back().least_error = 0;
   });
   EXPECT_GT(found(report, Check::saturated), 0u);
   EXPECT_EQ(found(report, Check::directory), 0u);
   EXPECT_EQ(report.findings.size(), std::min<std::uint64_t>(20, report.violations()));
+}
+
+/// A reader that wants a page must want the pages it leans on.
+TEST_F(Verify, finds_a_page_that_covers_less_than_those_that_lean_on_it) {
+  EXPECT_GT(found(after([](Contents& c) { c.directory.pages.back().bound.radius /= 2; }), Check::directory), 0u);
+  EXPECT_GT(found(after([](Contents& c) { c.directory.pages[0].largest_error = 255; }), Check::directory), 0u);
 }
 
 TEST_F(Verify, finds_a_sphere_that_is_too_small) {
