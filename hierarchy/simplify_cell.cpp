@@ -18,7 +18,7 @@ constexpr std::uint32_t small_component = 6;
 constexpr std::uint32_t stuck_component = 64;
 
 /// Below this many triangles for each handle or hole, topology is let go.
-constexpr std::uint32_t triangles_per_loop = 32;
+constexpr std::uint32_t triangles_per_loop = 12;
 
 /// Near the end a fan is large against the surface and one neighbour too many shows: below this many
 /// triangles fans take no more than the threshold allows, and the threshold rises more slowly.

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -76,6 +77,23 @@ std::uint64_t count_seam_groups(std::span<const std::uint32_t> group) {
   return count;
 }
 
+bool is_zero(const Vec3f& n) {
+  return n.x == 0 && n.y == 0 && n.z == 0;
+}
+
+bool needs_normals(const std::vector<Vec3f>& normals) {
+  return normals.empty() || std::any_of(normals.begin(), normals.end(), is_zero);
+}
+
+void fill_normals(std::vector<Vec3f>& normals, std::vector<Vec3f> smooth) {
+  if (normals.empty()) {
+    normals = std::move(smooth);
+    return;
+  }
+  for (std::size_t v = 0; v < normals.size(); ++v)
+    if (is_zero(normals[v])) normals[v] = smooth[v];
+}
+
 /// @param mesh  the input, with triangles that index `vertices`
 GridMesh assemble(SurfaceMesh mesh, const Grid& grid, SplitVertices vertices, const CleanOptions& options) {
   GridMesh out;
@@ -90,8 +108,8 @@ GridMesh assemble(SurfaceMesh mesh, const Grid& grid, SplitVertices vertices, co
   out.positions.reserve(positions.size());
   for (const Vec3d& p : positions) out.positions.push_back(grid.snap(p));
   // From the positions before snapping: at 64 steps to an edge, snapped ones tilt a face by up to a degree.
-  if (out.normals.empty() && options.make_normals)
-    out.normals = smooth_normals(positions, vertices.group, out.triangles);
+  if (options.make_normals && needs_normals(out.normals))
+    fill_normals(out.normals, smooth_normals(positions, vertices.group, out.triangles));
   out.wedge_group = std::move(vertices.group);
   return out;
 }

@@ -43,7 +43,7 @@ struct CleanReport {
 struct CleanOptions {
   /// Grid step in world units; 0 chooses 1/128 of the median edge, less if some edges are short, and at least 2^-21 of the largest extent.
   double step = 0;
-  /// Compute smooth (area-weighted) vertex normals when the mesh has none.
+  /// Compute smooth (area-weighted) normals where the mesh has none: not at all, or zero at a vertex.
   bool make_normals = true;
 };
 

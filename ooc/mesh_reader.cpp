@@ -68,8 +68,6 @@ Reader reader_by_extension(const std::filesystem::path& path) {
   return nullptr;
 }
 
-using Expect = std::function<Result<void>(std::uint64_t vertices, std::uint64_t triangles)>;
-
 /// @param name  of the file, or of what was compressed in it
 Result<ReadReport> read_bytes(const ReadJob& job, const std::filesystem::path& name) {
   if (job.bytes.empty()) return job.corrupt_at(0, "expected a mesh, found an empty file");
@@ -111,6 +109,8 @@ Result<ReadReport> read_compressed(const ReadJob& job, Compression compression,
   return report;
 }
 
+}  // namespace
+
 Result<ReadReport> read_into(const std::filesystem::path& path, MeshSink& sink, ReadBudget& budget,
                              const ReadProgress& progress, const std::filesystem::path& temp, Expect expect) {
   auto file = MappedFile::open(path);
@@ -124,92 +124,10 @@ Result<ReadReport> read_into(const std::filesystem::path& path, MeshSink& sink, 
   return report;
 }
 
-/// Collects blocks in vectors whose capacity is charged before they grow.
-class CollectingSink : public MeshSink {
- public:
-  CollectingSink(SurfaceMesh& mesh, ReadBudget& budget) : mesh_(mesh), budget_(budget) {}
-
-  Result<void> expect(std::uint64_t vertices, std::uint64_t triangles) {
-    CUESTA_TRY(check_count(vertices));
-    CUESTA_TRY(reserve(mesh_.positions, vertices, "vertices"));
-    return reserve(mesh_.triangles, triangles, "triangles");
-  }
-
-  Result<void> vertices(const VertexBlock& block) override {
-    CUESTA_TRY(check_count(mesh_.positions.size() + block.positions.size()));
-    CUESTA_TRY(append(mesh_.positions, block.positions, "vertices"));
-    CUESTA_TRY(append(mesh_.normals, block.normals, "normals"));
-    CUESTA_TRY(append(mesh_.colours, block.colours, "colours"));
-    return append(mesh_.texcoords, block.texcoords, "texture coordinates");
-  }
-
-  Result<void> triangles(TriangleBlock block) override {
-    CUESTA_TRY(make_room(mesh_.triangles, block.size(), "triangles"));
-    for (const auto& [a, b, c] : block) {
-      if ((a | b | c) >> 32) return too_many();
-      mesh_.triangles.push_back(
-          {static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), static_cast<std::uint32_t>(c)});
-    }
-    return {};
-  }
-
- private:
-  static tl::unexpected<Error> too_many() {
-    return fail(ErrorCode::out_of_budget, "", "", "more than 2^32 - 2 vertices do not fit an in-memory mesh");
-  }
-  static Result<void> check_count(std::uint64_t count) {
-    if (count > 0xffff'fffe) return too_many();
-    return {};
-  }
-
-  /// While a vector moves, the old and the new storage both exist.
-  template <class T>
-  Result<void> reserve(std::vector<T>& v, std::uint64_t count, const char* what) {
-    if (count <= v.capacity()) return {};
-    const std::uint64_t old_bytes = v.capacity() * sizeof(T);
-    CUESTA_TRY(budget_.charge(count, sizeof(T), what));
-    v.reserve(count);
-    budget_.release(old_bytes);
-    return {};
-  }
-  /// Grows by half, or by less when only less is left.
-  template <class T>
-  Result<void> make_room(std::vector<T>& v, std::size_t more, const char* what) {
-    const std::uint64_t needed = v.size() + more;
-    if (needed <= v.capacity()) return {};
-    const std::uint64_t generous = std::max<std::uint64_t>(needed, v.capacity() + v.capacity() / 2);
-    return reserve(v, generous <= budget_.left() / sizeof(T) ? generous : needed, what);
-  }
-  template <class T>
-  Result<void> append(std::vector<T>& v, std::span<const T> block, const char* what) {
-    CUESTA_TRY(make_room(v, block.size(), what));
-    v.insert(v.end(), block.begin(), block.end());
-    return {};
-  }
-
-  SurfaceMesh& mesh_;
-  ReadBudget& budget_;
-};
-
-}  // namespace
-
 Result<ReadReport> read_mesh(const std::filesystem::path& path, MeshSink& sink, std::uint64_t memory_bytes,
                              const ReadProgress& progress, const std::filesystem::path& temp) {
   ReadBudget budget(memory_bytes);
   return read_into(path, sink, budget, progress, temp, {});
-}
-
-Result<SurfaceMesh> load_mesh(const std::filesystem::path& path, std::uint64_t memory_bytes,
-                              ReadReport* report, const ReadProgress& progress,
-                              const std::filesystem::path& temp) {
-  SurfaceMesh mesh;
-  ReadBudget budget(memory_bytes);
-  CollectingSink sink(mesh, budget);
-  auto done = read_into(path, sink, budget, progress, temp,
-                        [&sink](std::uint64_t v, std::uint64_t t) { return sink.expect(v, t); });
-  if (!done) return fail(std::move(done).error());
-  if (report) *report = *done;
-  return mesh;
 }
 
 }  // namespace cuesta

@@ -25,6 +25,8 @@ class ReadBudget {
   /// Call before allocating `count` elements of `element_bytes`. @error out_of_budget, nothing is charged.
   Result<void> charge(std::uint64_t count, std::uint64_t element_bytes, const char* what);
   void release(std::uint64_t bytes) { used_ -= bytes; }
+  /// A reader is done and what it held is gone: `bytes` stay charged.
+  void keep(std::uint64_t bytes) { used_ = bytes; }
   std::uint64_t left() const { return limit_ - used_; }
 
  private:
@@ -32,14 +34,16 @@ class ReadBudget {
   std::uint64_t used_ = 0;
 };
 
+/// Told the final counts by readers that know them before the first block; a sink in memory can reserve.
+using Expect = std::function<Result<void>(std::uint64_t vertices, std::uint64_t triangles)>;
+
 struct ReadJob {
   std::filesystem::path path;
   std::span<const char> bytes;
   MeshSink& sink;
   ReadBudget& budget;
   const ReadProgress& progress;
-  /// Told the final counts by readers that know them before the first block; a sink in memory can reserve.
-  std::function<Result<void>(std::uint64_t vertices, std::uint64_t triangles)> expect;
+  Expect expect;
 
   tl::unexpected<Error> error(ErrorCode code, std::string place, std::string message) const {
     return fail(code, path.string(), std::move(place), std::move(message));
@@ -52,6 +56,10 @@ struct ReadJob {
 
 /// A word of a file for an error message: in quotes, at most 40 characters, what is not printable as '?'.
 std::string quote_word(std::string_view word);
+
+/// Any format, compressed or not: recognises it, calls its reader. Parameters and errors as read_mesh().
+Result<ReadReport> read_into(const std::filesystem::path& path, MeshSink& sink, ReadBudget& budget,
+                             const ReadProgress& progress, const std::filesystem::path& temp, Expect expect);
 
 // One per format; the caller has recognised the format. None throws.
 Result<ReadReport> read_ply(const ReadJob& job);

@@ -9,6 +9,7 @@
 #include "apps/cuesta/progress.h"
 #include "apps/cuesta/stop_signal.h"
 #include "apps/cuesta/text_forms.h"
+#include "ooc/unpacked_file.h"
 
 namespace cuesta::app {
 namespace {
@@ -20,7 +21,8 @@ constexpr std::uint64_t work_bytes_per_triangle = 200;
 
 BuildSettings with_defaults(BuildSettings settings) {
   if (settings.memory_bytes == 0) settings.memory_bytes = physical_memory_bytes() / 4 * 3;
-  if (settings.output.empty()) settings.output = settings.input.filename().replace_extension(".cuesta");
+  if (settings.output.empty())
+    settings.output = name_inside(settings.inputs.front().filename()).replace_extension(".cuesta");
   return settings;
 }
 
@@ -33,34 +35,53 @@ Result<void> check_output(const BuildSettings& s) {
                 "the output's folder does not exist; make it first");
   if (std::filesystem::is_directory(s.output, ignored))
     return fail(ErrorCode::invalid_input, s.output.string(), "", "is a folder; give a file name with -o");
-  if (std::filesystem::equivalent(s.input, s.output, ignored))
-    return fail(ErrorCode::invalid_input, s.output.string(), "", "input and output are the same file");
+  for (const auto& input : s.inputs)
+    if (std::filesystem::equivalent(input, s.output, ignored))
+      return fail(ErrorCode::invalid_input, s.output.string(), "", "input and output are the same file");
   return {};
+}
+
+/// The file that an error is about; of several none by itself.
+std::string only_input(const BuildSettings& s) {
+  return s.inputs.size() == 1 ? s.inputs.front().string() : std::string();
 }
 
 Result<void> check_memory(const BuildSettings& s, std::uint64_t triangles) {
   const std::uint64_t needed = triangles * work_bytes_per_triangle;
   if (needed <= s.memory_bytes) return {};
   return fail(
-      ErrorCode::out_of_budget, s.input.string(), "",
+      ErrorCode::out_of_budget, only_input(s), "",
       fmt::format("building {} triangles in core needs about {}, the budget is {}; give more with --memory",
                   with_commas(triangles), byte_count(needed), byte_count(s.memory_bytes)));
 }
 
+void note_inputs(const BuildSettings& s, BuildFacts& facts) {
+  for (const auto& path : s.inputs) {
+    std::error_code failed;
+    const auto bytes = std::filesystem::file_size(path, failed);
+    facts.inputs.push_back({path.filename().string(), failed ? 0 : bytes, {}});
+  }
+}
+
+void note_reading(const LoadedMeshes& loaded, BuildFacts& facts) {
+  for (std::size_t i = 0; i < loaded.files.size(); ++i) facts.inputs[i].read = loaded.files[i];
+  facts.missing = loaded.missing;
+}
+
 Result<GridMesh> read_and_clean(const BuildSettings& s, BuildFacts& facts, Progress& progress) {
-  auto mesh = load_mesh(
-      s.input, s.memory_bytes, &facts.read,
-      [&](std::uint64_t done, std::uint64_t total) {
-        return progress.update("read", Unit::bytes, done, total);
-      },
-      s.temp);
-  if (!mesh) return fail(mesh.error());
-  if (auto r = check_memory(s, mesh->triangles.size()); !r) return fail(r.error());
+  const auto reading = [&](std::uint64_t done, std::uint64_t total) {
+    return progress.update("read", Unit::bytes, done, total);
+  };
+  auto loaded = load_meshes(s.inputs, s.memory_bytes, reading, s.temp);
+  if (!loaded) return fail(loaded.error());
+  note_reading(*loaded, facts);
+  SurfaceMesh mesh = std::move(loaded->mesh);
+  if (auto r = check_memory(s, mesh.triangles.size()); !r) return fail(r.error());
   progress.update("clean", Unit::none, 0, 0);
-  auto clean = clean_mesh(std::move(*mesh), {s.step, s.make_normals}, facts.clean);
+  auto clean = clean_mesh(std::move(mesh), {s.step, s.make_normals}, facts.clean);
   if (!clean) {
     Error error = clean.error();
-    if (error.file.empty()) error.file = s.input.string();
+    if (error.file.empty()) error.file = only_input(s);
     return fail(error);
   }
   if (auto r = check_stop(); !r) return fail(r.error());
@@ -83,9 +104,7 @@ Result<void> run_build(const BuildSettings& given) {
   const double start_ms = clock_ms();
   Progress progress(s.quiet);
   BuildFacts facts;
-  facts.input_name = s.input.filename().string();
-  std::error_code ignored;
-  if (const auto bytes = std::filesystem::file_size(s.input, ignored); !ignored) facts.input_bytes = bytes;
+  note_inputs(s, facts);
   auto mesh = read_and_clean(s, facts, progress);
   if (!mesh) return fail(mesh.error());
   note_surface(*mesh, facts);
@@ -94,10 +113,10 @@ Result<void> run_build(const BuildSettings& given) {
   options.cell_triangles = s.cell_triangles;
   options.metadata = build_metadata(facts, s);
   progress.update("build", Unit::triangles, 0, facts.triangles);
-  auto built =
-      build_hierarchy(std::move(*mesh), s.output, options, [&](std::string_view, std::uint64_t done, std::uint64_t all) {
-        return progress.update("build", Unit::triangles, done, all);
-      });
+  auto built = build_hierarchy(std::move(*mesh), s.output, options,
+                               [&](std::string_view, std::uint64_t done, std::uint64_t all) {
+                                 return progress.update("build", Unit::triangles, done, all);
+                               });
   if (!built) return fail(built.error());
   progress.finish();
   facts.built = *built;

@@ -1,17 +1,18 @@
 #pragma once
-/// cuesta build: a mesh file in, a .cuesta file out.
+/// cuesta build: mesh files in, a .cuesta file out.
 
 #include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "ooc/result.h"
 
 namespace cuesta::app {
 
 struct BuildSettings {
-  std::filesystem::path input;
-  std::filesystem::path output;  ///< empty: the input's name with .cuesta
-  std::filesystem::path temp;    ///< folder for what compressed inputs unpack to; empty: TMPDIR, or else /tmp
+  std::vector<std::filesystem::path> inputs;  ///< at least one; several become one surface, in this order
+  std::filesystem::path output;               ///< empty, for one input only: its name with .cuesta
+  std::filesystem::path temp;  ///< folder for what compressed inputs unpack to; empty: TMPDIR, or else /tmp
   std::uint64_t memory_bytes = 0;  ///< 0: three quarters of the machine's
   double step = 0;                 ///< grid step in world units; 0 chooses
   std::uint32_t cell_triangles = 1u << 15;

@@ -50,6 +50,33 @@ std::vector<Count> told_counts(const ReadReport& r, const CleanReport& c) {
           {"positions on attribute seams", c.wedge_groups}};
 }
 
+std::vector<Count> missing_counts(const MissingAttributes& m) {
+  return {{"normals", m.normals}, {"colours", m.colours}, {"texcoords", m.texcoords}};
+}
+
+std::vector<Count> told_missing(const MissingAttributes& m, bool make_normals) {
+  return {{make_normals ? "vertices of inputs without normals: computed"
+                        : "vertices of inputs without normals: none",
+           m.normals},
+          {"vertices of inputs without colours: white", m.colours},
+          {"vertices of inputs without texture coordinates: (0, 0)", m.texcoords}};
+}
+
+/// All inputs as one: the name of the only one, or how many there are.
+InputFacts totals(const BuildFacts& f) {
+  InputFacts all;
+  all.name = f.inputs.size() == 1 ? f.inputs.front().name : with_commas(f.inputs.size()) + " files";
+  for (const InputFacts& input : f.inputs) {
+    all.bytes += input.bytes;
+    all.read.vertices += input.read.vertices;
+    all.read.triangles += input.read.triangles;
+    all.read.polygons_triangulated += input.read.polygons_triangulated;
+    all.read.faces_out_of_range += input.read.faces_out_of_range;
+    all.read.faces_too_small += input.read.faces_too_small;
+  }
+  return all;
+}
+
 nlohmann::ordered_json as_json(const std::vector<Count>& counts) {
   nlohmann::ordered_json object = nlohmann::ordered_json::object();
   for (const auto& [name, count] : counts) object[name] = count;
@@ -76,8 +103,14 @@ std::string row(std::string_view name, std::string_view value) {
 std::string build_metadata(const BuildFacts& facts, const BuildSettings& settings) {
   nlohmann::ordered_json json;
   json["program"] = "cuesta " + version_number();
-  json["input"] = {{"name", facts.input_name}, {"bytes", facts.input_bytes}};
-  json["read"] = as_json(read_counts(facts.read));
+  json["inputs"] = nlohmann::ordered_json::array();
+  for (const InputFacts& input : facts.inputs)
+    json["inputs"].push_back({{"name", input.name},
+                              {"bytes", input.bytes},
+                              {"vertices", input.read.vertices},
+                              {"triangles", input.read.triangles}});
+  json["read"] = as_json(read_counts(totals(facts).read));
+  json["missing"] = as_json(missing_counts(facts.missing));
   json["clean"] = as_json(clean_counts(facts.clean));
   json["options"] = {{"cell_triangles", settings.cell_triangles},
                      {"make_normals", settings.make_normals},
@@ -88,10 +121,13 @@ std::string build_metadata(const BuildFacts& facts, const BuildSettings& setting
 std::string build_summary(const BuildFacts& f, const BuildSettings& settings) {
   const double triangles = static_cast<double>(std::max<std::uint64_t>(1, f.triangles));
   std::string text = settings.output.string() + "\n";
-  text += row("input",
-              fmt::format("{}: {} triangles, {} vertices, {}", f.input_name, with_commas(f.read.triangles),
-                          with_commas(f.read.vertices), byte_count(f.input_bytes)));
-  for (const auto& [words, count] : told_counts(f.read, f.clean))
+  const InputFacts all = totals(f);
+  text +=
+      row("input", fmt::format("{}: {} triangles, {} vertices, {}", all.name, with_commas(all.read.triangles),
+                               with_commas(all.read.vertices), byte_count(all.bytes)));
+  for (const auto& [words, count] : told_missing(f.missing, settings.make_normals))
+    if (count > 0) text += row("", fmt::format("{} {}", with_commas(count), words));
+  for (const auto& [words, count] : told_counts(all.read, f.clean))
     if (count > 0) text += row("", fmt::format("{} {}", with_commas(count), words));
   text += row("surface", fmt::format("{} triangles, {} vertices; attributes: {}", with_commas(f.triangles),
                                      with_commas(f.vertices), attributes(f)));

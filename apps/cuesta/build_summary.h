@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "apps/cuesta/build_command.h"
 #include "hierarchy/build_hierarchy.h"
@@ -11,10 +12,15 @@
 
 namespace cuesta::app {
 
-struct BuildFacts {
-  std::string input_name;  ///< without its directory
-  std::uint64_t input_bytes = 0;
+struct InputFacts {
+  std::string name;         ///< without its directory
+  std::uint64_t bytes = 0;  ///< of the file
   ReadReport read;
+};
+
+struct BuildFacts {
+  std::vector<InputFacts> inputs;
+  MissingAttributes missing;
   CleanReport clean;
   BuildReport built;
   std::uint64_t triangles = 0, vertices = 0;  ///< of the clean surface

@@ -118,17 +118,21 @@ CLI::Option* add_camera(CLI::App* app, std::optional<CameraText>& camera) {
 
 void add_build(CLI::App& program, Common& common) {
   Command<BuildSettings> c(
-      program, "build", "Builds a .cuesta file from a mesh file.",
-      "Reads PLY, OBJ, STL, OFF, glTF, GLB or Draco, each also in gzip (.ply.gz) or Zstandard\n"
-      "(.obj.zst), which are unpacked to a temporary file without a name; drops what is no surface "
-      "(degenerate,\n"
+      program, "build", "Builds a .cuesta file from mesh files.",
+      "Reads PLY, OBJ, STL, OFF, glTF, GLB or Draco; drops what is no surface (degenerate,\n"
       "duplicate and non-finite faces), cuts non-manifold edges, snaps vertices to a grid, and\n"
       "writes all levels of detail into one file. What was dropped is counted and told.\n\n"
-      "Example:\n  cuesta build bunny.ply -o bunny.cuesta --memory 4G");
+      "Any of them may be inside gzip or Zstandard (scan.ply.gz, scan.obj.zst): it is unpacked to a\n"
+      "temporary file without a name. Several files become one surface, in the order given. Where\n"
+      "only some have an attribute, vertices of the others get computed normals, white, or (0, 0).\n\n"
+      "Examples:\n  cuesta build bunny.ply -o bunny.cuesta --memory 4G\n"
+      "  cuesta build tiles/*.ply.gz -o city.cuesta --temp /var/tmp");
   BuildSettings& s = *c.settings;
-  add_path(c.app, "INPUT", s.input, "mesh file; its format is taken from its content")->required();
+  c.app->add_option("INPUT", s.inputs, "mesh files; their formats are taken from their contents")
+      ->type_name("")
+      ->required();
   add_path(c.app, "-o,--output", s.output,
-           "file to write; default: INPUT's name with .cuesta, in this folder");
+           "file to write; default, for one INPUT only: its name with .cuesta, in this folder");
   add_parsed(c.app, "--memory", "SIZE", "memory to use, such as 512M or 8G; default: 3/4 of the machine's",
              store(parse_bytes, s.memory_bytes));
   add_path(c.app, "--temp", s.temp, "folder for temporary data; default: TMPDIR, or else /tmp")
@@ -143,6 +147,10 @@ void add_build(CLI::App& program, Common& common) {
   add_threads(c.app, common);
   add_quiet(c.app, s.quiet);
   c.runs(common, run_build);
+  c.app->parse_complete_callback([settings = c.settings] {
+    if (settings->inputs.size() > 1 && settings->output.empty())
+      throw CLI::RequiredError("-o FILE, as there is more than one INPUT,");
+  });
 }
 
 void add_info(CLI::App& program, Common& common) {

@@ -67,7 +67,7 @@ TEST_F(CuestaCommand, BuildTellsASummaryAndInfoTheSame) {
   EXPECT_EQ(info["vertices"], 9902);
   EXPECT_GE(info["rounds"].size(), 2u);
   EXPECT_EQ(info["pages"].size(), info["page_count"]);
-  EXPECT_EQ(info["metadata"]["input"]["name"], "sphere.ply");
+  EXPECT_EQ(info["metadata"]["inputs"][0]["name"], "sphere.ply");
   EXPECT_EQ(info["metadata"]["read"]["triangles"], 19800);
   EXPECT_EQ(info["file_bytes"], std::filesystem::file_size(file()));
   EXPECT_NEAR(info["bounds"]["lo"][0], 8.95, 0.1);
@@ -87,6 +87,45 @@ TEST_F(CuestaCommand, SameBytesForAnyThreadsAndMemory) {
       {"build", mesh_path(), "-o", other, "--cell", "2048", "--threads", "1", "--memory", "1G", "--quiet"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_TRUE(read_text(other) == read_text(file()));
+}
+
+/// The northern and the southern half of a sphere; only one of them has colours, only the other normals.
+void write_halves(const std::string& north, const std::string& south) {
+  SurfaceMesh mesh = bumpy_sphere(40, 40), half = mesh;
+  mesh.normals.clear();
+  mesh.colours.assign(mesh.positions.size(), Rgba8{200, 10, 10, 255});
+  half.normals.assign(half.positions.size(), Vec3f{0, 0, 1});
+  const std::size_t middle = mesh.triangles.size() / 2;
+  half.triangles.erase(half.triangles.begin(), half.triangles.begin() + static_cast<std::ptrdiff_t>(middle));
+  mesh.triangles.resize(middle);
+  half.colours.clear();
+  ASSERT_TRUE(write_mesh(north, mesh));
+  ASSERT_TRUE(write_mesh(south, half));
+}
+
+TEST_F(CuestaCommand, SeveralInputsAreOneSurface) {
+  const std::string north = *folder / "north.ply", south = *folder / "south.ply",
+                    out = *folder / "halves.cuesta";
+  write_halves(north, south);
+  const std::size_t all = bumpy_sphere(40, 40).triangles.size();
+  EXPECT_EQ(cuesta({"build", north, south}).status, 1);
+  EXPECT_EQ(cuesta({"build", north, *folder / "nothing.ply", "-o", out}).status, 2);
+  EXPECT_EQ(cuesta({"build", north, south, "-o", south}).status, 5);
+  const Outcome outcome = cuesta({"build", north, south, "-o", out});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("2 files"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("without colours: white"), std::string::npos) << outcome.out;
+  const json info = cuesta_json({"info", out});
+  EXPECT_EQ(info["triangles"], all);
+  const json& metadata = info["metadata"];
+  EXPECT_EQ(metadata["inputs"][1]["name"], "south.ply");
+  EXPECT_EQ(metadata["inputs"][1]["bytes"], std::filesystem::file_size(south));
+  EXPECT_EQ(metadata["inputs"][0]["triangles"].get<std::size_t>() +
+                metadata["inputs"][1]["triangles"].get<std::size_t>(),
+            all);
+  EXPECT_EQ(metadata["missing"]["colours"], metadata["inputs"][1]["vertices"]);
+  EXPECT_EQ(metadata["missing"]["normals"], metadata["inputs"][0]["vertices"]);
+  EXPECT_EQ(metadata["missing"]["texcoords"], 0);
 }
 
 TEST_F(CuestaCommand, ExportByErrorKeepsIt) {

@@ -298,6 +298,25 @@ TEST(CleanMesh, MakesSmoothNormalsWhenThereAreNone) {
   EXPECT_TRUE(clean(cube(), {.make_normals = false}).mesh.normals.empty());
 }
 
+TEST(CleanMesh, NormalsThatAreZeroAreComputed) {
+  SurfaceMesh given = cube();
+  given.normals.assign(given.positions.size(), Vec3f{0, 0, 1});
+  given.normals.front() = {};
+  const GridMesh filled = clean(given).mesh;
+  const GridMesh kept = clean(given, {.make_normals = false}).mesh;
+  ASSERT_EQ(filled.normals.size(), kept.normals.size());
+  std::size_t computed = 0;
+  for (std::size_t v = 0; v < kept.normals.size(); ++v) {
+    if (kept.normals[v] == Vec3f{}) {
+      ++computed;
+      EXPECT_NEAR(length(filled.normals[v]), 1, 1e-6);
+    } else {
+      EXPECT_EQ(filled.normals[v], kept.normals[v]);
+    }
+  }
+  EXPECT_EQ(computed, 1u);
+}
+
 TEST(CleanMesh, FarFromZeroStillFits) {
   for (const double at : {1e9, -1e9, 1e15, -1e15, 4e15}) clean(cube({at, at, -at}));
   CleanReport report;
