@@ -33,8 +33,8 @@ struct CellMesh {
   TriangleSamples samples;
 };
 
-/// One substitution of a fan: `vertex` → `target`. Wedges of one group follow each other with `joined` set on all but
-/// the first: they are substituted together or not at all.
+/// One substitution of a fan: `vertex` → `target`. Wedges of one group follow each other with `joined` set on
+/// all but the first: they are substituted together or not at all.
 struct Child {
   std::uint32_t vertex;
   std::uint32_t target;
@@ -44,21 +44,23 @@ struct Child {
 
 /// An ordered run of substitutions into one centre; errors do not fall along it.
 struct Fan {
-  std::uint32_t centre;       ///< first vertex of the centre's wedge group
+  std::uint32_t centre;  ///< first vertex of the centre's wedge group
   std::uint32_t first_child;
   std::uint32_t child_count;  ///< entries of `children`, joined ones included
   SphereCode sphere;
 };
 
-/// Fans in an order in which they can be applied. The first `strict_fans` of them satisfy the link condition; after
-/// them the surface is mostly handles and holes, and topology is let go.
+/// Fans in an order in which they can be applied. The first `strict_fans` of them satisfy the link condition;
+/// after them the surface is mostly handles and holes, and topology is let go. (0 where a finer page has done
+/// so.)
 struct Script {
   std::vector<Fan> fans;
   std::vector<Child> children;
   std::uint32_t strict_fans = 0;
 };
 
-/// What is left of a cell: surviving triangles (ascending local numbers) with their corners, births and samples.
+/// What is left of a cell: surviving triangles (ascending local numbers) with their corners, births and
+/// samples.
 struct CellSurvivors {
   std::vector<std::uint32_t> triangles;
   std::vector<std::array<std::uint32_t, 3>> corners;

@@ -41,6 +41,7 @@ class FanMerger {
   }
 
   SimplifyResult run() {
+    manifold_ = kernel_.is_manifold();
     float threshold = 0;
     while (kernel_.live_triangles() > options_.target_triangles) {
       loosen_if_knotted();
@@ -58,7 +59,8 @@ class FanMerger {
       threshold = std::max(threshold * 2, std::numeric_limits<float>::min());
       std::fill(retry_.begin(), retry_.end(), 0.0f);
     }
-    if (!loose_) result_.script.strict_fans = static_cast<std::uint32_t>(result_.script.fans.size());
+    if (!loose_ && manifold_)
+      result_.script.strict_fans = static_cast<std::uint32_t>(result_.script.fans.size());
     order_children();
     result_.survivors = kernel_.survivors();
     return std::move(result_);
@@ -191,7 +193,7 @@ class FanMerger {
     if (loose_ || kernel_.live_triangles() >= std::uint64_t{triangles_per_loop} * kernel_.loops()) return;
     kernel_.loosen_topology();
     loose_ = true;
-    result_.script.strict_fans = static_cast<std::uint32_t>(result_.script.fans.size());
+    if (manifold_) result_.script.strict_fans = static_cast<std::uint32_t>(result_.script.fans.size());
     std::fill(dirty_.begin(), dirty_.end(), std::uint8_t{1});
   }
 
@@ -229,6 +231,7 @@ class FanMerger {
   SimplifyOptions options_;
   float largest_error_ = 0;
   bool loose_ = false;
+  bool manifold_ = true;  // false where a finer page has let topology go already
   std::vector<float> cost_, retry_, scratch_;
   std::vector<std::uint32_t> taken_;
   std::uint32_t pass_stamp_ = 0;

@@ -73,6 +73,21 @@ void SubstitutionKernel::find_borders() {
   for (PointId p = 0; p < point_count(); ++p) update_border(p);
 }
 
+bool SubstitutionKernel::is_manifold() {
+  for (PointId p = 0; p < point_count(); ++p) {
+    if (!can_move(p)) continue;
+    const auto ring = neighbours(p);
+    const auto ends =
+        std::count_if(ring.begin(), ring.end(), [&](PointId q) { return edge_triangles(p, q) == 1; });
+    const bool crowded =
+        std::any_of(ring.begin(), ring.end(), [&](PointId q) { return edge_triangles(p, q) > 2; });
+    // A fan has as many edges as triangles and no end; a half-fan one edge more and two ends.
+    if (crowded || ring.size() - star(p).size() != static_cast<std::size_t>(ends) / 2 || ends > 2)
+      return false;
+  }
+  return true;
+}
+
 /// Components less the Euler characteristic: 0 for discs, 2 for a torus, one more for each further hole.
 void SubstitutionKernel::count_loops() {
   std::uint64_t rings = 0;  // each edge twice
@@ -267,8 +282,10 @@ bool SubstitutionKernel::keeps_orientation(PointId u, PointId v) const {
     const Vec3f a = position_[c[(i + 1) % 3]], b = position_[c[(i + 2) % 3]];
     const Vec3f before = cross(a - pu, b - pu);
     const Vec3f after = cross(a - pv, b - pv);
-    const float d = dot(before, after);
-    const float bound = least_cosine * least_cosine * dot(before, before) * dot(after, after);
+    // Squares of products of edges of 2^16 grid units and more leave the range of float.
+    const double d = static_cast<double>(dot(before, after));
+    const double bound = least_cosine * least_cosine * static_cast<double>(dot(before, before)) *
+                         static_cast<double>(dot(after, after));
     if (!(d > 0) || d * d < bound || !(dot(after, after) > 0)) return false;
   }
   return true;
@@ -420,12 +437,16 @@ void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vect
     for (std::size_t i = 0; i < wedge_map_.size(); ++i)
       children.push_back({wedge_map_[i].first, wedge_map_[i].second, error, i > 0});
   }
-  // v's new star goes to the arena's end: what it had, less what dies, and u's modified triangles.
-  const std::uint32_t begin = static_cast<std::uint32_t>(arena_.size());
-  for (std::uint32_t i = 0; i < star_size_[v]; ++i) {
-    const TriangleId t = arena_[star_begin_[v] + i];
-    if (!has_corner(t, u)) arena_.push_back(t);
+  // v's new star is at the arena's end: what it had, less what dies, and u's modified triangles. In a fan it
+  // is there already, and stays: copied for each child, a centre of n neighbours would take n² places.
+  if (star_begin_[v] + star_size_[v] != arena_.size()) {
+    const auto begin = static_cast<std::uint32_t>(arena_.size());
+    for (std::uint32_t i = 0; i < star_size_[v]; ++i) arena_.push_back(arena_[star_begin_[v] + i]);
+    star_begin_[v] = begin;
   }
+  arena_.erase(std::remove_if(arena_.begin() + star_begin_[v], arena_.end(),
+                              [&](TriangleId t) { return has_corner(t, u); }),
+               arena_.end());
   for (std::uint32_t i = 0; i < star_size_[u]; ++i) {
     const TriangleId t = arena_[star_begin_[u] + i];
     auto& c = corners_[t];
@@ -451,8 +472,7 @@ void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vect
   }
   changed.insert(changed.end(), targets_.begin(), targets_.end());
   changed.insert(changed.end(), guarded_.begin(), guarded_.end());
-  star_begin_[v] = begin;
-  star_size_[v] = static_cast<std::uint32_t>(arena_.size()) - begin;
+  star_size_[v] = static_cast<std::uint32_t>(arena_.size()) - star_begin_[v];
   star_size_[u] = 0;
   flags_[u] |= flag_removed;
   quadric_[v].add(quadric_[u], position_[u] - position_[v]);

@@ -26,37 +26,44 @@ class SubstitutionKernel {
   std::uint32_t live_triangles() const { return live_triangles_; }
   bool removed(PointId p) const { return (flags_[p] & flag_removed) != 0; }
   bool can_move(PointId p) const { return (flags_[p] & (flag_removed | flag_locked)) == 0; }
-  std::span<const TriangleId> star(PointId p) const { return {arena_.data() + star_begin_[p], star_size_[p]}; }
+  std::span<const TriangleId> star(PointId p) const {
+    return {arena_.data() + star_begin_[p], star_size_[p]};
+  }
   const std::array<PointId, 3>& corners(TriangleId t) const { return corners_[t]; }
 
   /// Distinct neighbours of p in star order, valid until the next call.
   std::span<const PointId> neighbours(PointId p);
 
-  /// Quadric cost of u → v: area-weighted squared distance to the planes u stands for, over the root of the area.
-  /// (Measured on the bunny at 1 % of the triangles: undivided +2 % mean error; divided by the area, the mean squared
-  /// distance, equal here and +3 % at 0.5 %.) Unit: grid units to the third power.
+  /// Quadric cost of u → v: area-weighted squared distance to the planes u stands for, over the root of the
+  /// area. (Measured on the bunny at 1 % of the triangles: undivided +2 % mean error; divided by the area,
+  /// the mean squared distance, equal here and +3 % at 0.5 %.) Unit: grid units to the third power.
   float cost(PointId u, PointId v) const;
   /// True if u → v needs no look at geometry to be refused: u is on a border and v is not, say.
   bool may_join(PointId u, PointId v) const { return loose_topology_ || !(border(u) && !border(v)); }
 
-  /// Loops that keep a surface from becoming small: handles, holes, and borders beyond one a component; at the start.
+  /// True if the triangles around every point that can move form one fan or half-fan.
+  bool is_manifold();
+  /// Loops that keep a surface from becoming small: handles, holes, and borders beyond one a component; at
+  /// the start.
   std::uint32_t loops() const { return loops_; }
-  /// From now on legal() lets go of the link condition and of borders: handles close, sheets touch along edges.
-  /// Errors stay measured and saturated. For surfaces that are mostly loops, as cracked photogrammetry becomes.
+  /// From now on legal() lets go of the link condition and of borders: handles close, sheets touch along
+  /// edges. Errors stay measured and saturated. For surfaces that are mostly loops, as cracked photogrammetry
+  /// becomes.
   void loosen_topology() { loose_topology_ = true; }
 
   /// Link condition, borders, seams, locked neighbours, inversion: is u → v legal now?
   bool legal(PointId u, PointId v);
-  /// Measures u → v, which must be legal: the largest distance of the samples it moves, grid units, rounded up.
+  /// Measures u → v, which must be legal: the largest distance of the samples it moves, grid units, rounded
+  /// up.
   float measure(PointId u, PointId v);
   /// Largest birth error of the triangles that what was measured last depends on.
   float birth_error() const;
-  /// Applies u → v as measured last; appends the wedge substitutions with this error to `children`, the balls it
-  /// depends on and covers to `balls`, and the triangles it changed to `changed`.
+  /// Applies u → v as measured last; appends the wedge substitutions with this error to `children`, the balls
+  /// it depends on and covers to `balls`, and the triangles it changed to `changed`.
   void apply(PointId u, PointId v, ErrorCode8 error, std::vector<Child>& children, std::vector<Sphere>& balls,
              std::vector<TriangleId>& changed);
-  /// The largest distance of the samples of a whole component, `members` being all its points, to the triangles
-  /// around v, a point of another component. @pre no member is locked, v has triangles.
+  /// The largest distance of the samples of a whole component, `members` being all its points, to the
+  /// triangles around v, a point of another component. @pre no member is locked, v has triangles.
   float measure_absorption(std::span<const PointId> members, PointId v);
   /// Removes the component as measured last: all its vertices go to v together. Arguments as apply().
   void absorb(std::span<const PointId> members, PointId v, ErrorCode8 error, std::vector<Child>& children,
@@ -66,7 +73,9 @@ class SubstitutionKernel {
   void rebirth(std::span<const TriangleId> changed, const Birth& birth);
 
   std::span<const Vec3f> positions() const { return position_; }  ///< per point, about the cell's own origin
-  Vec3i grid_position(PointId p) const { return vec_cast<std::int32_t>(vec_cast<double>(position_[p])) + origin_; }
+  Vec3i grid_position(PointId p) const {
+    return vec_cast<std::int32_t>(vec_cast<double>(position_[p])) + origin_;
+  }
   std::uint32_t first_vertex(PointId p) const { return first_vertex_[p]; }
   CellSurvivors survivors() const;
 
@@ -104,14 +113,14 @@ class SubstitutionKernel {
   void remove_from_star(PointId p, TriangleId t);
   std::uint32_t next_stamp();
 
-  Vec3i origin_;                       // grid position of the local frame
-  std::vector<Vec3f> position_;        // per point, local, exact integers
+  Vec3i origin_;                 // grid position of the local frame
+  std::vector<Vec3f> position_;  // per point, local, exact integers
   std::vector<std::uint8_t> flags_;
   std::vector<Quadric> quadric_;
   std::vector<std::uint32_t> star_begin_, star_size_;
   std::vector<TriangleId> arena_;
-  std::vector<std::uint32_t> first_vertex_;  // per point
-  std::vector<PointId> point_of_;              // per vertex; empty without wedges
+  std::vector<std::uint32_t> first_vertex_;           // per point
+  std::vector<PointId> point_of_;                     // per vertex; empty without wedges
   std::vector<std::array<std::uint32_t, 3>> wedges_;  // per triangle, vertices; empty without wedges
 
   std::vector<std::array<PointId, 3>> corners_;  // per triangle
@@ -132,7 +141,6 @@ class SubstitutionKernel {
   std::vector<PointId> leaving_;
   bool loose_topology_ = false;
   std::uint32_t loops_ = 0;
-  bool ear_ = false;
   float closed_hole_ = 0;  // > 0: the substitution closes a hole with edges up to this length
   PointId hole_corner_ = none;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> wedge_map_;
