@@ -11,14 +11,15 @@ namespace {
 /// Operations between two looks at the clock.
 constexpr std::uint32_t operations_per_look = 32;
 
-/// Bins of sse with 32 to the octave: the upper 14 bits of a positive float.
-constexpr std::size_t sse_bins = 1u << 14;
+/// Bins of sse with 32 to the octave: the upper bits of a positive float. The last one holds infinity alone.
+constexpr std::size_t sse_bins = (0x7F800000u >> 18) + 1;
 std::size_t bin_of(double sse) {
   return std::bit_cast<std::uint32_t>(static_cast<float>(sse)) >> 18;
 }
 double bin_floor(std::size_t bin) {
   return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bin) << 18));
 }
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double sse_of(ErrorCode8 error, double scale) {
   return error == 0 ? 0 : static_cast<double>(decode_error(error)) / scale;
@@ -32,6 +33,14 @@ std::uint16_t count_up_to(std::span<const ChildState> children, double scale, do
 }
 
 }  // namespace
+
+void AdaptReport::add_work_of(const AdaptReport& earlier) {
+  coarse_operations += earlier.coarse_operations;
+  fine_operations += earlier.fine_operations;
+  pages_loaded += earlier.pages_loaded;
+  adapt_ms += earlier.adapt_ms;
+  load_ms += earlier.load_ms;
+}
 
 Result<std::unique_ptr<Cut>> Cut::open(CuestaFile file, std::uint64_t cache_bytes, Clock clock) {
   auto cache = PageCache::open(std::move(file), cache_bytes);
@@ -90,10 +99,15 @@ Cut::Band Cut::affordable_band(const ErrorScale& scale, double tau, std::uint64_
       }
     }
   }
+  if (coarsest > triangle_budget) return {infinity, infinity};
   std::uint64_t total = coarsest;
   for (std::size_t bin = sse_bins; bin-- > 0;) {
-    if (total + gain[bin] > triangle_budget) return {std::max(tau, bin_floor(bin)), bin_floor(bin + 1)};
-    total += gain[bin];
+    if (total + gain[bin] <= triangle_budget) {
+      total += gain[bin];
+      continue;
+    }
+    if (bin + 1 == sse_bins) return {static_cast<double>(std::numeric_limits<float>::max()), infinity};
+    return {std::max(tau, bin_floor(bin)), bin_floor(bin + 1)};
   }
   return {tau, tau};
 }
@@ -123,17 +137,18 @@ void Cut::plan(const ErrorScale& scale, Band band) {
   }
 }
 
-/// Gives back what fills the band when the demanded part needs the room.
-void Cut::make_room(std::uint64_t triangle_budget) {
-  if (band_.empty() || cache_->pool().active_triangles() + demanded_ <= triangle_budget) return;
+/// Gives back what fills the band when the demanded part needs the room. @return true if it did: the plan is stale then.
+bool Cut::make_room(std::uint64_t triangle_budget) {
+  if (band_.empty() || cache_->pool().active_triangles() + demanded_ <= triangle_budget) return false;
   std::sort(band_.begin(), band_.end(), [](const Operation& a, const Operation& b) {
     return std::tie(a.sse, a.page, a.fan) < std::tie(b.sse, b.page, b.fan);
   });
   for (const Operation& op : band_) {
-    if (cache_->pool().active_triangles() + demanded_ <= triangle_budget) return;
+    if (cache_->pool().active_triangles() + demanded_ <= triangle_budget) return true;
     ResidentPage& page = *cache_->resident(op.page);
     while (page.fans()[op.fan].applied < op.goal) page.apply_next(op.fan);
   }
+  return true;
 }
 
 bool Cut::coarsen(const Budgets& budgets, double start_ms, AdaptReport& report) {
@@ -208,9 +223,11 @@ AdaptReport Cut::adapt(const ErrorScale& scale, double tau, const Budgets& budge
   const Band band = report.pages_loaded > 0 ? affordable_band(scale, tau, budgets.triangles) : wanted;
   plan(scale, band);
   const bool coarsened = coarsen(budgets, start, report);
-  if (coarsened) make_room(budgets.triangles);  // above what coarsen() did: not before it is complete
+  // Above what coarsen() did: not before it is complete. What it applies may have to be undone first of all (I4).
+  if (coarsened && make_room(budgets.triangles)) plan(scale, band);
   if (!coarsened) report.bound_by = Binding::adapt_time;
   const bool refined = coarsened && refine(budgets, start, report);
+  if (band.apply_up_to > tau && report.bound_by == Binding::nothing) report.bound_by = Binding::triangles;
   report.tau = band.apply_up_to;
   report.adapt_ms = clock_() - start;
   report.achieved = achieved(scale);
@@ -225,11 +242,7 @@ AdaptReport Cut::settle(const ErrorScale& scale, double tau, const Budgets& budg
   AdaptReport sum;
   for (int call = 0; call < max_calls; ++call) {
     AdaptReport last = adapt(scale, tau, budgets);
-    last.coarse_operations += sum.coarse_operations;
-    last.fine_operations += sum.fine_operations;
-    last.pages_loaded += sum.pages_loaded;
-    last.adapt_ms += sum.adapt_ms;
-    last.load_ms += sum.load_ms;
+    last.add_work_of(sum);
     sum = last;
     if (sum.settled) break;
   }

@@ -37,6 +37,9 @@ struct AdaptReport {
   std::uint64_t resident_bytes = 0;
   Binding bound_by = Binding::nothing;
   bool settled = false;                ///< another call with the same arguments would change nothing
+
+  /// Adds the operations, pages and times of the calls before.
+  void add_work_of(const AdaptReport& earlier);
 };
 
 /// Milliseconds since some fixed moment; given by the caller, for the runtime has no clock of its own.
@@ -52,7 +55,8 @@ class Cut {
   /// With a triangle budget that binds, the cut with the least tau that fits is aimed at.
   /// @param tau  pixels (uniform: world units); substitutions with sse ≤ tau are applied. Negative: nothing is applied,
   ///             the full resolution.
-  /// @post the cut is legal, also when pages are missing; triangles ≤ budget (unless the coarsest cut has more).
+  /// @post the cut is legal, also when pages are missing; triangles ≤ budget, unless the coarsest cut has more, or the
+  ///       cut came in above it and adapt_ms ended first.
   /// @error never; pages that cannot be read are in cache().errors(), and are drawn coarser.
   /// @cost O(fans of resident pages) + O(changes · log).
   AdaptReport adapt(const ErrorScale& scale, double tau, const Budgets& budgets);
@@ -83,7 +87,7 @@ class Cut {
   void load_pages(const ErrorScale& scale, double tau, const Budgets& budgets, AdaptReport& report);
   Band affordable_band(const ErrorScale& scale, double tau, std::uint64_t triangle_budget) const;
   void plan(const ErrorScale& scale, Band band);
-  void make_room(std::uint64_t triangle_budget);
+  bool make_room(std::uint64_t triangle_budget);
   bool coarsen(const Budgets& budgets, double start_ms, AdaptReport& report);
   bool refine(const Budgets& budgets, double start_ms, AdaptReport& report);
   double achieved(const ErrorScale& scale) const;

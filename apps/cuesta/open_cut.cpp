@@ -38,11 +38,7 @@ Result<AdaptReport> settle_cut(Cut& cut, const ErrorScale& scale, double tau, Bu
   for (int call = 0; call < most_calls && !sum.settled; ++call) {
     if (!progress.update("adapt", Unit::pages, cut.cache().resident_ids().size(), 0)) break;
     AdaptReport last = cut.adapt(scale, tau, budgets);
-    last.coarse_operations += sum.coarse_operations;
-    last.fine_operations += sum.fine_operations;
-    last.pages_loaded += sum.pages_loaded;
-    last.adapt_ms += sum.adapt_ms;
-    last.load_ms += sum.load_ms;
+    last.add_work_of(sum);
     sum = last;
   }
   if (auto r = check_stop(); !r) return fail(r.error());
