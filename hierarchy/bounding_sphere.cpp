@@ -91,7 +91,7 @@ SphereCode enclose(std::span<const Sphere> inner, Vec3i fan_centre) {
   for (;;) {
     const SphereCode code = with_offset(radius, offset);
     const std::uint16_t needed = encode_up(needed_radius(inner, decode_sphere(code, fan_centre).centre));
-    if (needed <= radius) return {needed > radius ? needed : radius, code.offset_x, code.offset_y, code.offset_z};
+    if (needed <= radius) return code;
     radius = needed;
   }
 }

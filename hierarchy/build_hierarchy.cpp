@@ -165,7 +165,7 @@ class HierarchyBuilder {
   Result<BuildReport> run() {
     RoundSurface surface;
     Partition first_cells = order_for_pages(mesh_, options_.cell_triangles);
-    surface.triangles = mesh_.triangles;
+    surface.triangles = std::move(mesh_.triangles);
     std::uint32_t rounds_without_progress = 0;
     for (bool base = false; !base;) {
       // A surface that no longer gets smaller (thousands of knots, say) becomes a large base page.
@@ -268,7 +268,7 @@ class HierarchyBuilder {
     directory_.lo = box.lo;
     directory_.hi = box.hi;
     directory_.vertices = mesh_.positions.size();
-    directory_.triangles = mesh_.triangles.size();
+    directory_.triangles = total_;
     directory_.has_normals = !mesh_.normals.empty();
     directory_.has_colours = !mesh_.colours.empty();
     directory_.has_texcoords = !mesh_.texcoords.empty();

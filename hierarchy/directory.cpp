@@ -13,6 +13,8 @@ namespace cuesta {
 namespace {
 
 constexpr std::uint64_t largest_directory = std::uint64_t{1} << 31;
+/// Block, five varints, two errors, a ball, and the number of coarser pages: an entry has no fewer bytes.
+constexpr std::uint64_t least_entry_bytes = 24 + 5 + 2 + 16 + 1;
 
 void put_entry(ByteWriter& w, const PageEntry& e) {
   w.put(e.block.offset);
@@ -124,7 +126,7 @@ Result<Directory> decode_directory(std::span<const std::byte> bytes) {
   const auto text = r.get_bytes(r.get_varint());
   d.metadata.assign(reinterpret_cast<const char*>(text.data()), text.size());
   const std::uint64_t count = r.get_varint();
-  if (!r.ok() || count == 0 || count > r.remaining()) return corrupt("impossible number of pages");
+  if (!r.ok() || count == 0 || count > r.remaining() / least_entry_bytes) return corrupt("impossible number of pages");
   d.pages.resize(count);
   for (PageEntry& e : d.pages)
     if (!get_entry(r, count, e)) return corrupt("entry " + std::to_string(&e - d.pages.data()) + " is damaged");

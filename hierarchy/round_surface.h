@@ -19,7 +19,7 @@ struct TriangleOrigin {
   std::uint32_t survivor;
 };
 
-/// 20 bytes per triangle of the input in round 0; then 40 and its samples, 12 bytes each.
+/// 12 bytes per triangle of the input in round 0; then 44 and its samples, 12 bytes each.
 struct RoundSurface {
   std::uint32_t round = 0;
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< global vertex numbers

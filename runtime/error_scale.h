@@ -12,7 +12,7 @@ namespace cuesta {
 
 /// sse = error / scale(sphere): how many grid units make one pixel at the point of the sphere nearest to the eye.
 /// A sphere inside another never has the smaller scale, so with saturated errors a test of each substitution alone
-/// gives a legal cut. Evaluated in f64; exact ties and containment survive the rounding (error_code.h, contains()).
+/// gives a legal cut. Evaluated in f64; equal spheres tie exactly, nested ones have a margin (error_code.h, contains()).
 class ErrorScale {
  public:
   /// Uniform cuts: sse is the error itself, in world units.

@@ -34,7 +34,7 @@ class GeometryPool {
     std::uint32_t first_vertex = 0, vertices = 0;
     std::uint32_t first_triangle = 0, triangles = 0;  ///< handles; rounded up to whole blocks
     std::uint32_t active = 0;
-    std::uint32_t changed_lo = 0xFFFFFFFFu, changed_hi = 0;  ///< places changed since the last take_changes()
+    std::uint32_t changed_lo = 0xFFFFFFFFu, changed_hi = 0;  ///< places changed since the last draw_list()
   };
   using RunId = std::uint32_t;
   static constexpr RunId no_run = 0xFFFFFFFFu;

@@ -58,6 +58,7 @@ class PageCache {
   GeometryPool pool_;  // outlives the pages
   std::vector<std::unique_ptr<ResidentPage>> pages_;
   std::vector<std::uint8_t> failed_;
+  std::vector<std::uint64_t> least_room_;  // per page: what it took when that did not fit; else 0
   std::vector<PageId> resident_ids_;  // ascending
   std::uint64_t resident_bytes_ = 0;
   CacheCounters counters_;

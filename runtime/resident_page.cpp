@@ -11,6 +11,12 @@ namespace {
 
 constexpr std::uint32_t no_entry = std::numeric_limits<std::uint32_t>::max();
 
+/// A script changes each triangle a few times: 3 entries per triangle are usual. Beyond this it is an attack: a chain
+/// of substitutions that carries a whole page along takes the square of the page.
+constexpr std::size_t largest_entries(std::size_t triangles) {
+  return std::max(std::size_t{1} << 24, triangles * 64);
+}
+
 tl::unexpected<Error> misfit(PageId id, std::string what) {
   return fail(ErrorCode::corrupt, "", "page " + std::to_string(id), std::move(what));
 }
@@ -101,6 +107,7 @@ class PageReplay {
     }
     head_[child.vertex] = no_entry;
     if (removed > std::numeric_limits<std::uint16_t>::max()) return false;
+    if (out_.entries_.size() + modified_.size() > largest_entries(page_.triangles.size())) return false;
     state.removed = static_cast<std::uint16_t>(removed);
     out_.entries_.insert(out_.entries_.end(), modified_.begin(), modified_.end());
     out_.children_.push_back(state);
@@ -296,7 +303,8 @@ std::uint64_t ResidentPage::bytes() const {
                     spheres_.size() * sizeof(Sphere) + children_.size() * sizeof(ChildState) + entries_.size() * 4;
   for (const auto& s : sources_) b += (s.triangles.size() + s.vertices.size() + s.local_vertices.size()) * 4;
   const auto& run = pool_.run(run_);
-  return b + run.vertices * sizeof(DrawVertex) + std::uint64_t{run.triangles} * 20;
+  return b + run.vertices * sizeof(DrawVertex) + pool_.texcoords(run_).size_bytes() +
+         std::uint64_t{run.triangles} * 20;
 }
 
 }  // namespace cuesta

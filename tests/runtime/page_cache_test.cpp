@@ -8,6 +8,7 @@
 
 #include "apps/verify/cut_shape.h"
 #include "hierarchy/bounding_sphere.h"
+#include "hierarchy/page_codec.h"
 #include "tests/hierarchy/seam_groups.h"
 #include "tests/runtime/open_file.h"
 
@@ -63,6 +64,47 @@ TEST(PageCache, crack_free_whatever_is_resident) {
     for (const auto& component : shape.components())
       ASSERT_EQ(component.border_edges, 0u) << "seed 12, frame " << frame;
   }
+}
+
+/// Also when only the finer page is wanted, as the directory of a damaged file may make it look.
+TEST(PageCache, a_page_is_not_evicted_for_the_page_that_leans_on_it) {
+  TemporaryFolder folder;
+  build_file(bumpy_sphere(24), folder / "a.cuesta");
+  const auto cache = PageCache::open(CuestaFile::open(folder / "a.cuesta").value(), unlimited).value();
+  const auto& pages = cache->directory().pages;
+  ASSERT_NE(pages[0].coarser[0], cache->directory().base());
+  std::vector<std::uint8_t> needed(pages.size(), 0);
+  needed[0] = 1;
+  for (PageId id = 0; id < pages.size(); ++id)
+    for (PageId c : pages[id].coarser) needed[c] |= needed[id];
+  for (PageId id = cache->directory().base(); --id > 0;)
+    if (needed[id]) {
+      ASSERT_TRUE(cache->load(id, 1).value());
+    }
+  const std::size_t residents = cache->resident_ids().size();
+  cache->set_budget_bytes(cache->resident_bytes());
+  EXPECT_FALSE(cache->load(0, 2).value());
+  EXPECT_EQ(cache->resident_ids().size(), residents);
+}
+
+/// 40,000 substitutions that each carry 1,000 triangles along: a small page that would take gigabytes if they were more.
+TEST(PageCache, a_script_that_explodes_is_refused) {
+  constexpr std::uint32_t triangles = 1000, moves = 40000;
+  Page page;
+  page.base = true;
+  page.vertex_count = 2 * triangles + 1 + moves;
+  for (std::uint32_t t = 0; t < triangles; ++t) page.triangles.push_back({0, 2 * t + 1, 2 * t + 2});
+  for (std::uint32_t i = 0, vertex = 0; i < moves; ++i) {
+    const std::uint32_t target = 2 * triangles + 1 + i;
+    page.script.fans.push_back({target, i, 1, {}});
+    page.script.children.push_back({vertex, target, 1});
+    vertex = target;
+  }
+  page.owned.positions.resize(page.vertex_count);
+  GeometryPool pool;
+  const auto resident = ResidentPage::create(0, decode_page(encode_page(page)).value(), {}, pool);
+  ASSERT_FALSE(resident);
+  EXPECT_EQ(resident.error().code, ErrorCode::corrupt);
 }
 
 TEST(PageCache, base_page_larger_than_the_budget) {
