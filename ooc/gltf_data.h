@@ -35,6 +35,8 @@ class Data {
   /// out_of_budget.
   Result<Numbers> numbers(Id accessor);
   Result<std::span<const char>> view(Id view);
+  /// Files that were opened so far.
+  std::uint64_t other_files() const { return files_.size(); }
 
  private:
   Result<std::span<const char>> buffer(Id buffer);

@@ -84,7 +84,9 @@ class Reader {
       }
       out_.at_byte(job_.bytes.size() * (mesh + 1) / document_.meshes.size());
     }
-    return out_.finish();
+    auto report = out_.finish();
+    if (report) report->other_files = data_.other_files();
+    return report;
   }
 
  private:

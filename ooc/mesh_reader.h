@@ -43,6 +43,7 @@ struct ReadReport {
   std::uint64_t polygons_triangulated = 0;   ///< faces with more than three corners
   std::uint64_t faces_out_of_range = 0;      ///< dropped: an index beyond the vertices of the file
   std::uint64_t faces_too_small = 0;         ///< dropped: fewer than three corners
+  std::uint64_t other_files = 0;             ///< read beside this one: buffers of a glTF document
 };
 
 /// Bytes read so far of the total, for a progress bar; returning false cancels the read.

@@ -4,6 +4,7 @@
 
 #include <system_error>
 
+#include "apps/cuesta/build_fingerprint.h"
 #include "apps/cuesta/build_summary.h"
 #include "apps/cuesta/machine.h"
 #include "apps/cuesta/progress.h"
@@ -105,6 +106,14 @@ Result<void> run_build(const BuildSettings& given) {
   Progress progress(s.quiet);
   BuildFacts facts;
   note_inputs(s, facts);
+  auto fingerprint = build_fingerprint(s, progress);
+  if (!fingerprint) return fail(fingerprint.error());
+  if (!s.force && is_up_to_date(s.output, *fingerprint)) {
+    progress.finish();
+    fmt::print("{}: up to date; --force builds it anyway\n", s.output.string());
+    return {};
+  }
+  facts.fingerprint = std::move(*fingerprint);
   auto mesh = read_and_clean(s, facts, progress);
   if (!mesh) return fail(mesh.error());
   note_surface(*mesh, facts);

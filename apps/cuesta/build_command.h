@@ -17,10 +17,12 @@ struct BuildSettings {
   double step = 0;                 ///< grid step in world units; 0 chooses
   std::uint32_t cell_triangles = 1u << 15;
   bool make_normals = true;  ///< where the input has none
+  bool force = false;        ///< build also when the output is up to date
   bool quiet = false;
 };
 
-/// Reads, cleans, builds, writes; prints a summary of one screen.
+/// Reads, cleans, builds, writes; prints a summary of one screen. Says "up to date" and does nothing more
+/// when the output is there and would get the same bytes (build_fingerprint.h).
 /// @error of reading, cleaning and building; out_of_budget before the work that would need more memory;
 /// cancelled.
 Result<void> run_build(const BuildSettings& settings);

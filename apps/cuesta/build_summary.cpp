@@ -20,7 +20,8 @@ std::vector<Count> read_counts(const ReadReport& r) {
           {"triangles", r.triangles},
           {"polygons_triangulated", r.polygons_triangulated},
           {"faces_out_of_range", r.faces_out_of_range},
-          {"faces_too_small", r.faces_too_small}};
+          {"faces_too_small", r.faces_too_small},
+          {"other_files", r.other_files}};
 }
 
 std::vector<Count> clean_counts(const CleanReport& c) {
@@ -73,6 +74,7 @@ InputFacts totals(const BuildFacts& f) {
     all.read.polygons_triangulated += input.read.polygons_triangulated;
     all.read.faces_out_of_range += input.read.faces_out_of_range;
     all.read.faces_too_small += input.read.faces_too_small;
+    all.read.other_files += input.read.other_files;
   }
   return all;
 }
@@ -81,6 +83,12 @@ nlohmann::ordered_json as_json(const std::vector<Count>& counts) {
   nlohmann::ordered_json object = nlohmann::ordered_json::object();
   for (const auto& [name, count] : counts) object[name] = count;
   return object;
+}
+
+nlohmann::ordered_json options_of(const BuildSettings& settings) {
+  return {{"cell_triangles", settings.cell_triangles},
+          {"make_normals", settings.make_normals},
+          {"step", settings.step}};
 }
 
 std::string attributes(const BuildFacts& f) {
@@ -100,6 +108,10 @@ std::string row(std::string_view name, std::string_view value) {
 
 }  // namespace
 
+std::string options_json(const BuildSettings& settings) {
+  return options_of(settings).dump();
+}
+
 std::string build_metadata(const BuildFacts& facts, const BuildSettings& settings) {
   nlohmann::ordered_json json;
   json["program"] = "cuesta " + version_number();
@@ -112,9 +124,8 @@ std::string build_metadata(const BuildFacts& facts, const BuildSettings& setting
   json["read"] = as_json(read_counts(totals(facts).read));
   json["missing"] = as_json(missing_counts(facts.missing));
   json["clean"] = as_json(clean_counts(facts.clean));
-  json["options"] = {{"cell_triangles", settings.cell_triangles},
-                     {"make_normals", settings.make_normals},
-                     {"step", settings.step}};
+  json["options"] = options_of(settings);
+  if (totals(facts).read.other_files == 0) json["fingerprint"] = facts.fingerprint;
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 

@@ -20,6 +20,7 @@ struct InputFacts {
 
 struct BuildFacts {
   std::vector<InputFacts> inputs;
+  std::string fingerprint;
   MissingAttributes missing;
   CleanReport clean;
   BuildReport built;
@@ -28,7 +29,12 @@ struct BuildFacts {
   bool has_normals = false, has_colours = false, has_texcoords = false;
 };
 
+/// The options that decide the bytes of the file, as a JSON object: all that the metadata and the fingerprint
+/// know of them.
+std::string options_json(const BuildSettings& settings);
+
 /// JSON object for the file: the same for any threads and memory (I6), so no times and no paths in it.
+/// No fingerprint if an input names other files, as their bytes are not in it: such a build is always done.
 std::string build_metadata(const BuildFacts& facts, const BuildSettings& settings);
 
 /// Lines for the screen; counts that are zero are left out.

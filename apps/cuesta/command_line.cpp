@@ -125,6 +125,8 @@ void add_build(CLI::App& program, Common& common) {
       "Any of them may be inside gzip or Zstandard (scan.ply.gz, scan.obj.zst): it is unpacked to a\n"
       "temporary file without a name. Several files become one surface, in the order given. Where\n"
       "only some have an attribute, vertices of the others get computed normals, white, or (0, 0).\n\n"
+      "An output that was made by this program from the same bytes with the same options is up to\n"
+      "date: nothing is done. (glTF with buffers in other files is always built.)\n\n"
       "Examples:\n  cuesta build bunny.ply -o bunny.cuesta --memory 4G\n"
       "  cuesta build tiles/*.ply.gz -o city.cuesta --temp /var/tmp");
   BuildSettings& s = *c.settings;
@@ -144,6 +146,7 @@ void add_build(CLI::App& program, Common& common) {
       ->type_name("N")
       ->check(CLI::Range(64u, 1u << 20));
   c.app->add_flag("!--no-normals", s.make_normals, "do not compute normals where the input has none");
+  c.app->add_flag("--force", s.force, "build also when the output is up to date");
   add_threads(c.app, common);
   add_quiet(c.app, s.quiet);
   c.runs(common, run_build);

@@ -89,6 +89,72 @@ TEST_F(CuestaCommand, SameBytesForAnyThreadsAndMemory) {
   EXPECT_TRUE(read_text(other) == read_text(file()));
 }
 
+TEST_F(CuestaCommand, SameBytesFromAnyFolder) {
+  const auto elsewhere = *folder / "elsewhere";
+  std::filesystem::create_directory(elsewhere);
+  std::filesystem::copy_file(mesh_path(), elsewhere / "sphere.ply");
+  const std::string other = *folder / "from_elsewhere.cuesta";
+  ASSERT_EQ(
+      cuesta({"build", elsewhere / "sphere.ply", "-o", other, "--cell", "2048", "--temp", elsewhere}).status,
+      0);
+  EXPECT_TRUE(read_text(other) == read_text(file()));
+}
+
+TEST_F(CuestaCommand, ABuildThatWouldChangeNothingIsNotDone) {
+  const std::string mesh = *folder / "again.ply", out = *folder / "again.cuesta";
+  ASSERT_TRUE(write_mesh(mesh, bumpy_sphere(20, 20)));
+  const auto build = [&](std::vector<std::string> more) {
+    std::vector<std::string> words{"build", mesh, "-o", out};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = cuesta(std::move(words));
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome;
+  };
+  const auto is_done = [](const Outcome& outcome) {
+    return outcome.out.find("up to date") == std::string::npos;
+  };
+  const Outcome first = build({});
+  EXPECT_TRUE(is_done(first));
+  EXPECT_NE(first.err.find("fingerprint"), std::string::npos) << first.err;
+  const std::string bytes = read_text(out);
+  EXPECT_FALSE(is_done(build({})));
+  EXPECT_FALSE(is_done(build({"--threads", "1", "--memory", "1G"})));
+  EXPECT_TRUE(read_text(out) == bytes);
+  EXPECT_TRUE(is_done(build({"--force"})));
+  EXPECT_TRUE(read_text(out) == bytes);
+
+  EXPECT_TRUE(is_done(build({"--cell", "256"})));
+  EXPECT_TRUE(is_done(build({"--no-normals"})));
+  EXPECT_TRUE(is_done(build({})));
+  const auto long_ago = std::filesystem::file_time_type::clock::now() - std::chrono::hours(24 * 365 * 20);
+  std::filesystem::last_write_time(out, long_ago);
+  EXPECT_TRUE(is_done(build({}))) << "the program is newer";
+  ASSERT_TRUE(write_mesh(mesh, bumpy_sphere(20, 21)));
+  EXPECT_TRUE(is_done(build({})));
+  EXPECT_FALSE(is_done(build({})));
+  std::filesystem::resize_file(out, std::filesystem::file_size(out) - 1);
+  EXPECT_TRUE(is_done(build({}))) << "the output is damaged";
+}
+
+TEST_F(CuestaCommand, InputsThatNameOtherFilesAreAlwaysBuilt) {
+  const std::string gltf = *folder / "named.gltf", out = *folder / "named.cuesta";
+  std::ofstream(*folder / "named.bin", std::ios::binary) << std::string(
+      "\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200?\0\0\0\0"
+      "\0\0\0\0\0\0\0\0\0\0\200?\0\0\0\0",
+      36);
+  std::ofstream(gltf)
+      << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+    "buffers":[{"uri":"named.bin","byteLength":36}],"bufferViews":[{"buffer":0,"byteLength":36}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]})";
+  for (int i = 0; i < 2; ++i) {
+    const Outcome outcome = cuesta({"build", gltf, "-o", out});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.out.find("up to date"), std::string::npos);
+  }
+  EXPECT_FALSE(cuesta_json({"info", out})["metadata"].contains("fingerprint"));
+}
+
 /// The northern and the southern half of a sphere; only one of them has colours, only the other normals.
 void write_halves(const std::string& north, const std::string& south) {
   SurfaceMesh mesh = bumpy_sphere(40, 40), half = mesh;

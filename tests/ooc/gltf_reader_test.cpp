@@ -200,7 +200,9 @@ TEST(GltfReader, BuffersBesideTheFileInsideItAndNowhereElse) {
       "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}]})";
   };
   folder.write("my data.bin", test::triangle_binary());
-  EXPECT_TRUE(load_mesh(folder.write("a.gltf", gltf("my%20data.bin")), test::test_memory));
+  ReadReport report;
+  EXPECT_TRUE(load_mesh(folder.write("a.gltf", gltf("my%20data.bin")), test::test_memory, &report));
+  EXPECT_EQ(report.other_files, 1u);
   const std::string base64 = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA";
   const auto inside = load_mesh(
       folder.write("b.gltf", gltf("data:application/octet-stream;base64," + base64)), test::test_memory);
