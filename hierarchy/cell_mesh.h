@@ -50,6 +50,9 @@ struct Fan {
   SphereCode sphere;
 };
 
+/// No fan has more children: the runtime counts them in 16 bits.
+inline constexpr std::uint32_t max_fan_children = 0xFFFF;
+
 /// Fans in an order in which they can be applied. The first `strict_fans` of them satisfy the link condition;
 /// after them the surface is mostly handles and holes, and topology is let go. (0 where a finer page has done
 /// so.)

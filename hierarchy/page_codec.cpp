@@ -174,11 +174,20 @@ bool get_ascending(ByteReader& r, std::uint64_t count, std::vector<std::uint32_t
   v.resize(count);
   std::uint64_t next = 0;
   for (auto& x : v) {
-    next += r.get_varint();
-    if (next >= max_page_elements) return false;
-    x = static_cast<std::uint32_t>(next++);
+    const std::uint64_t gap = r.get_varint();
+    if (gap >= max_page_elements || next + gap >= max_page_elements) return false;
+    x = static_cast<std::uint32_t>(next + gap);
+    next += gap + 1;
   }
   return r.ok();
+}
+
+/// A vertex number given as a difference; -1 when it is none of a page's.
+std::int64_t get_near(ByteReader& r, std::int64_t from, std::uint32_t vertices) {
+  const std::int64_t step = r.get_signed_varint();
+  constexpr std::int64_t farthest = max_page_elements;
+  if (step < -farthest || step > farthest) return -1;
+  return from + step < vertices ? from + step : -1;
 }
 
 bool unpack_script(const std::array<Bytes, page_stream_count>& in, const Counts& n, Page& page) {
@@ -191,9 +200,9 @@ bool unpack_script(const std::array<Bytes, page_stream_count>& in, const Counts&
   page.script.fans.reserve(n.fans);
   page.script.children.reserve(n.children);
   for (std::uint32_t f = 0; f < n.fans; ++f) {
-    centre += centres.get_signed_varint();
+    centre = get_near(centres, centre, n.vertices);
     const std::uint64_t size = sizes.get_varint();
-    if (centre < 0 || centre >= n.vertices || size == 0 || size > n.children - page.script.children.size())
+    if (centre < 0 || size == 0 || size > max_fan_children || size > n.children - page.script.children.size())
       return false;
     const auto v = static_cast<std::uint32_t>(centre);
     Fan fan{v, static_cast<std::uint32_t>(page.script.children.size()), static_cast<std::uint32_t>(size), {}};
@@ -204,10 +213,10 @@ bool unpack_script(const std::array<Bytes, page_stream_count>& in, const Counts&
     if (fan.sphere.radius >= 0x7F80) return false;  // negative, infinite or not a number
     page.script.fans.push_back(fan);
     for (std::uint64_t i = 0; i < size; ++i) {
-      const std::int64_t vertex = centre + vertices.get_signed_varint();
+      const std::int64_t vertex = get_near(vertices, centre, n.vertices);
       const std::uint64_t wedge = (n.flags & flag_wedges) ? wedges.get_varint() : 0;
       const std::uint64_t target = static_cast<std::uint64_t>(centre) + (wedge >> 1);
-      if (vertex < 0 || vertex >= n.vertices || target >= n.vertices) return false;
+      if (vertex < 0 || target >= n.vertices) return false;
       Child child{static_cast<std::uint32_t>(vertex), static_cast<std::uint32_t>(target),
                   errors.get<std::uint8_t>(), (wedge & 1) != 0};
       // A vertex goes once, to one that is still there; errors do not fall along a fan, and joined wedges
@@ -319,7 +328,8 @@ Result<Bytes> read_stream(ByteReader& r, std::uint64_t bound) {
   const std::uint64_t raw = r.get_varint();
   const std::uint64_t stored = r.get_varint();
   if (!r.ok() || stored > r.remaining()) return corrupt("the page ends within a stream");
-  if (raw > bound) return corrupt("larger than the page's counts allow");
+  // zstd cannot expand by more than this; a larger claim is a lie that must not be allocated.
+  if (raw > bound || raw / 65536 > stored) return corrupt("larger than the page's counts or bytes allow");
   const auto bytes = r.get_bytes(stored);
   if (raw == stored) return Bytes(bytes.begin(), bytes.end());
   Bytes out(raw);

@@ -1,5 +1,6 @@
 #pragma once
-/// The in-memory page ⇄ bytes: the one place that knows how a page is stored. docs/format.md describes it byte by byte.
+/// The in-memory page ⇄ bytes: the one place that knows how a page is stored. docs/format.md describes it
+/// byte by byte.
 
 #include <array>
 #include <cstddef>
@@ -15,8 +16,22 @@ namespace cuesta {
 
 /// What a page's bytes are spent on.
 enum class PageStream : std::uint8_t {
-  triangles, positions, normals, colours, texcoords, fan_centres, fan_sizes, fan_spheres, child_vertices, child_errors,
-  child_wedges, wedge_tails, orphans, source_triangles, source_vertices, count
+  triangles,
+  positions,
+  normals,
+  colours,
+  texcoords,
+  fan_centres,
+  fan_sizes,
+  fan_spheres,
+  child_vertices,
+  child_errors,
+  child_wedges,
+  wedge_tails,
+  orphans,
+  source_triangles,
+  source_vertices,
+  count
 };
 inline constexpr std::size_t page_stream_count = static_cast<std::size_t>(PageStream::count);
 std::string_view name(PageStream stream);
@@ -26,12 +41,14 @@ using PageStreamBytes = std::array<std::uint64_t, page_stream_count>;
 /// @pre triangles are rotated_lowest_first, fans and children index vertices, owned arrays match the script.
 std::vector<std::byte> encode_page(const Page& page, PageStreamBytes* spent = nullptr);
 
-/// Decodes what encode_page gave, checking every count and index: hostile bytes give an error, never a bad page.
-/// @error corrupt, unsupported_version (place: the stream). Memory: at most 64 bytes per byte announced in the header,
-///        which is bounded by max_page_elements.
-Result<Page> decode_page(std::span<const std::byte> bytes);
-
 /// No page has more vertices, triangles or children than this.
 inline constexpr std::uint32_t max_page_elements = 1u << 22;
+
+/// Decodes what encode_page gave, checking every count and index: hostile bytes give an error, never a bad
+/// page.
+/// @error corrupt, unsupported_version (place: the stream). Memory: bounded by max_page_elements, and by
+/// 65,536 times
+///        the bytes given.
+Result<Page> decode_page(std::span<const std::byte> bytes);
 
 }  // namespace cuesta

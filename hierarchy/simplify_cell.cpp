@@ -177,6 +177,8 @@ class FanMerger {
     ErrorCode8 error = 0;
     std::size_t merged = 0;
     for (const auto& [c, u] : candidates_) {
+      // Half of the limit leaves room for the wedges of the last one.
+      if (result_.script.children.size() - first >= max_fan_children / 2) break;
       if (!kernel_.legal(u, v)) continue;
       const float deviation = kernel_.measure(u, v);
       error = std::max(error, encode_error_up(std::max(deviation, kernel_.birth_error())));

@@ -203,13 +203,15 @@ bool SubstitutionKernel::link_condition(PointId u, PointId v) {
   return !doubles_triangle(u, v);
 }
 
-/// Would a triangle that u → v modifies have the corners of one that v has already?
+/// Would a triangle that u → v modifies have the corners of one that v has already? Between three locked
+/// points that one may be the neighbouring cell's.
 bool SubstitutionKernel::doubles_triangle(PointId u, PointId v) const {
   for (TriangleId t : star(u)) {
     if (has_corner(t, v)) continue;
     const auto& c = corners_[t];
     const int i = c[0] == u ? 0 : c[1] == u ? 1 : 2;
     const PointId a = c[(i + 1) % 3], b = c[(i + 2) % 3];
+    if ((flags_[v] & flags_[a] & flags_[b] & flag_locked) != 0) return true;
     for (TriangleId s : star(v))
       if (has_corner(s, a) && has_corner(s, b)) return true;
   }

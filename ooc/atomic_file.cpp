@@ -17,6 +17,15 @@ std::filesystem::path part_of(const std::filesystem::path& path) {
   return part;
 }
 
+/// Makes the new name durable; a file system that cannot is no reason to fail.
+void sync_folder(const std::filesystem::path& path) {
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
+
 tl::unexpected<Error> os_error(const std::filesystem::path& path, const char* what) {
   return fail(errno == ENOENT ? ErrorCode::not_found : ErrorCode::io, path.string(), "",
               std::string(what) + ": " + std::strerror(errno));
@@ -78,8 +87,11 @@ Result<void> AtomicFile::rewrite(std::uint64_t offset, std::span<const std::byte
 Result<void> AtomicFile::commit() {
   CUESTA_CHECK(descriptor_ >= 0);
   if (::fsync(descriptor_) != 0) return os_error(path_, "cannot sync");
+  // The descriptor stays open until the name is there: what fails before that leaves no part behind.
+  if (::rename(part_of(path_).c_str(), path_.c_str()) != 0)
+    return os_error(path_, "cannot rename into place");
   if (::close(std::exchange(descriptor_, -1)) != 0) return os_error(path_, "cannot close");
-  if (::rename(part_of(path_).c_str(), path_.c_str()) != 0) return os_error(path_, "cannot rename into place");
+  sync_folder(path_);
   return {};
 }
 

@@ -74,19 +74,25 @@ Result<void> ContainerWriter::finish(std::span<const std::byte> directory) {
 Result<ContainerReader> ContainerReader::open(const std::filesystem::path& path) {
   ContainerReader reader;
   reader.path_ = path;
-  reader.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  reader.descriptor_ =
+      ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe is refused, not waited for
   struct stat status {};
   if (reader.descriptor_ < 0 || ::fstat(reader.descriptor_, &status) != 0)
-    return fail(errno == ENOENT ? ErrorCode::not_found : ErrorCode::io, path.string(), "", std::strerror(errno));
-  if (!S_ISREG(status.st_mode)) return fail(ErrorCode::invalid_input, path.string(), "", "not a regular file");
+    return fail(errno == ENOENT ? ErrorCode::not_found : ErrorCode::io, path.string(), "",
+                std::strerror(errno));
+  if (!S_ISREG(status.st_mode))
+    return fail(ErrorCode::invalid_input, path.string(), "", "not a regular file");
   reader.file_bytes_ = static_cast<std::uint64_t>(status.st_size);
   std::array<std::byte, header_bytes> bytes{};
   const ssize_t got = ::pread(reader.descriptor_, bytes.data(), bytes.size(), 0);
   if (got < 0) return fail(ErrorCode::io, path.string(), at_byte(0), std::strerror(errno));
-  if (static_cast<std::size_t>(got) < magic.size() || std::memcmp(bytes.data(), magic.data(), magic.size()) != 0)
-    return fail(ErrorCode::corrupt, path.string(), at_byte(0), "not a .cuesta file: it does not begin with CUESTA");
+  if (static_cast<std::size_t>(got) < magic.size() ||
+      std::memcmp(bytes.data(), magic.data(), magic.size()) != 0)
+    return fail(ErrorCode::corrupt, path.string(), at_byte(0),
+                "not a .cuesta file: it does not begin with CUESTA");
   if (static_cast<std::size_t>(got) < header_bytes)
-    return fail(ErrorCode::corrupt, path.string(), at_byte(static_cast<std::uint64_t>(got)), "the header is cut off");
+    return fail(ErrorCode::corrupt, path.string(), at_byte(static_cast<std::uint64_t>(got)),
+                "the header is cut off");
   ByteReader r(std::span<const std::byte>(bytes).subspan(magic.size()));
   const auto version = r.get<std::uint32_t>();
   if (version != container_version)
@@ -103,8 +109,8 @@ Result<ContainerReader> ContainerReader::open(const std::filesystem::path& path)
     return fail(ErrorCode::corrupt, path.string(), at_byte(0), "the header's checksum does not match");
   if (announced != reader.file_bytes_)
     return fail(ErrorCode::corrupt, path.string(), at_byte(40),
-                "expected " + std::to_string(announced) + " bytes, found " + std::to_string(reader.file_bytes_) +
-                    ": the file was cut off or appended to");
+                "expected " + std::to_string(announced) + " bytes, found " +
+                    std::to_string(reader.file_bytes_) + ": the file was cut off or appended to");
   return reader;
 }
 
@@ -128,7 +134,8 @@ ContainerReader::~ContainerReader() {
 
 Result<std::vector<std::byte>> ContainerReader::read(const BlockRef& block) const {
   if (block.offset > file_bytes_ || block.bytes > file_bytes_ - block.offset)
-    return fail(ErrorCode::corrupt, path_.string(), at_byte(block.offset), "a block lies beyond the end of the file");
+    return fail(ErrorCode::corrupt, path_.string(), at_byte(block.offset),
+                "a block lies beyond the end of the file");
   std::vector<std::byte> bytes(block.bytes);
   std::size_t done = 0;
   while (done < bytes.size()) {
@@ -137,7 +144,8 @@ Result<std::vector<std::byte>> ContainerReader::read(const BlockRef& block) cons
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return fail(ErrorCode::io, path_.string(), at_byte(block.offset + done), std::strerror(errno));
     if (n == 0)
-      return fail(ErrorCode::corrupt, path_.string(), at_byte(block.offset + done), "the file was cut off while open");
+      return fail(ErrorCode::corrupt, path_.string(), at_byte(block.offset + done),
+                  "the file was cut off while open");
     done += static_cast<std::size_t>(n);
   }
   if (checksum(bytes) != block.checksum)

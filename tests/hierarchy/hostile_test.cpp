@@ -4,7 +4,9 @@
 
 #include <random>
 
+#include "hierarchy/page_codec.h"
 #include "hierarchy/verify_file.h"
+#include "ooc/byte_stream.h"
 #include "tests/hierarchy/rewritten_file.h"
 #include "tests/hierarchy/surfaces.h"
 
@@ -52,6 +54,41 @@ TEST_P(Hostile, page_cut_off_at_every_byte) {
   const Bytes bytes = encode_page(good_.pages.front());
   for (std::size_t n = 0; n < bytes.size(); ++n)
     EXPECT_FALSE(decode_page(std::span(bytes).first(n))) << n << " of " << bytes.size() << " bytes";
+}
+
+/// `page` encoded, with one stream's raw bytes replaced.
+Bytes with_stream(const Page& page, PageStream which, std::span<const std::byte> raw) {
+  const Bytes bytes = encode_page(page);
+  constexpr std::size_t header = 2 + 8 * 4;
+  ByteWriter out;
+  out.put_bytes(std::span(bytes).first(header));
+  ByteReader in{std::span<const std::byte>(bytes).subspan(header)};
+  for (std::size_t s = 0; s < page_stream_count; ++s) {
+    const std::uint64_t raw_bytes = in.get_varint();
+    const std::uint64_t stored = in.get_varint();
+    const auto data = in.get_bytes(stored);
+    const bool replaced = s == static_cast<std::size_t>(which);
+    out.put_varint(replaced ? raw.size() : raw_bytes);
+    out.put_varint(replaced ? raw.size() : stored);
+    out.put_bytes(replaced ? raw : data);
+  }
+  return out.take();
+}
+
+// Ascending numbers are stored as gaps: a sum that wraps around is not ascending.
+TEST_P(Hostile, gaps_that_wrap_around_are_refused) {
+  for (const PageStream stream : {PageStream::wedge_tails, PageStream::orphans}) {
+    ByteWriter gaps;
+    gaps.put_varint(2);
+    gaps.put_varint(1);
+    gaps.put_varint(~std::uint64_t{0} - 1);
+    EXPECT_FALSE(decode_page(with_stream(good_.pages.front(), stream, gaps.bytes())));
+  }
+  ByteWriter steps;
+  for (std::size_t i = 0; i < good_.pages.front().script.fans.size(); ++i)
+    steps.put_signed_varint(std::numeric_limits<std::int64_t>::max());
+  if (steps.size() > 0)
+    EXPECT_FALSE(decode_page(with_stream(good_.pages.front(), PageStream::fan_centres, steps.bytes())));
 }
 
 TEST_P(Hostile, page_with_a_flipped_bit) {
