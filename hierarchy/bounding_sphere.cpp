@@ -62,7 +62,8 @@ SphereCode with_offset(std::uint16_t radius, Vec3d offset) {
   const std::uint32_t exponent = (static_cast<std::uint32_t>(radius) << 16) & 0x7F800000u;
   const double unit = static_cast<double>(std::bit_cast<float>(exponent)) / 64;
   if (!(unit > 0)) return {radius, 0, 0, 0};
-  return {radius, quantize_offset(offset.x, unit), quantize_offset(offset.y, unit), quantize_offset(offset.z, unit)};
+  return {radius, quantize_offset(offset.x, unit), quantize_offset(offset.y, unit),
+          quantize_offset(offset.z, unit)};
 }
 
 /// Radius that a ball at `centre` needs to contain all, in the sense of contains().
@@ -77,7 +78,8 @@ double needed_radius(std::span<const Sphere> inner, Vec3f centre) {
 
 std::uint16_t encode_up(double r) {
   const float f = static_cast<float>(r);
-  return encode_radius_up(static_cast<double>(f) < r ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f);
+  return encode_radius_up(
+      static_cast<double>(f) < r ? std::nextafter(f, std::numeric_limits<float>::infinity()) : f);
 }
 
 }  // namespace

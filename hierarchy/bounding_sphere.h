@@ -8,7 +8,8 @@
 namespace cuesta {
 
 /// A code whose decoded sphere contains every ball of `inner` in the sense of contains(); near-minimal.
-/// Source: Bădoiu, Clarkson, "Smaller core-sets for balls", SODA 2003, a fixed number of steps from the best axis pair.
+/// Source: Bădoiu, Clarkson, "Smaller core-sets for balls", SODA 2003, a fixed number of steps from the best
+/// axis pair.
 /// @param inner       at least one ball, grid units, absolute
 /// @param fan_centre  what the stored offset is relative to
 /// @cost  O(inner) · 10

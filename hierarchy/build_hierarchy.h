@@ -31,7 +31,8 @@ struct BuildReport {
 /// Work done of the total, in triangles of the input; returning false cancels.
 using BuildProgress = std::function<bool(std::string_view stage, std::uint64_t done, std::uint64_t total)>;
 
-/// Builds and writes `path` from `mesh` (consumed), in parallel over cells in the calling TBB arena. Same bytes for any number of threads.
+/// Builds and writes `path` from `mesh` (consumed), in parallel over cells in the calling TBB arena. Same
+/// bytes for any number of threads.
 /// @error io; cancelled. Nothing is left under `path` then.
 /// @cost about 3.5 µs per triangle and core; 150 bytes per triangle at the peak beyond `mesh`.
 Result<BuildReport> build_hierarchy(GridMesh mesh, const std::filesystem::path& path,

@@ -47,7 +47,8 @@ std::span<const PointId> ComponentAbsorber::members(const Candidate& candidate) 
 
 PointId ComponentAbsorber::nearest_target(std::uint32_t component, std::span<const PointId> live) {
   // Points that have gone stay in the index; build it anew when they are many.
-  if (!index_ || index_->size() > 4 * live.size()) index_ = std::make_unique<NearestPoints>(kernel_.positions(), live);
+  if (!index_ || index_->size() > 4 * live.size())
+    index_ = std::make_unique<NearestPoints>(kernel_.positions(), live);
   return index_->nearest(kernel_.positions()[members_[first_[component]]], [&](std::uint32_t p) {
     return component_[p] != component && !kernel_.star(p).empty();
   });

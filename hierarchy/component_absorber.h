@@ -1,7 +1,7 @@
 #pragma once
-/// Small components have no legal substitution left: a triangle, a tetrahedron, a sliver of a scan. They are taken as
-/// a whole into a vertex of the nearest other component (TOM §4.1: pairs nearer than a threshold may be substituted),
-/// so that surfaces of thousands of pieces reach a base page too.
+/// Small components have no legal substitution left: a triangle, a tetrahedron, a sliver of a scan. They are
+/// taken as a whole into a vertex of the nearest other component (TOM §4.1: pairs nearer than a threshold may
+/// be substituted), so that surfaces of thousands of pieces reach a base page too.
 
 #include <cstdint>
 #include <memory>
@@ -24,9 +24,10 @@ class ComponentAbsorber {
     std::uint32_t component;
     PointId target;
   };
-  /// Components of at most `most_points` points, none locked, with a deviation ≤ `reach`; by rising deviation.
-  /// Nothing if there is one component only. @param live  the points that are not removed
-  const std::vector<Candidate>& candidates(std::span<const PointId> live, std::uint32_t most_points, float reach);
+  /// Components of at most `most_points` points, none locked, with a deviation ≤ `reach`; by rising
+  /// deviation. Nothing if there is one component only. @param live  the points that are not removed
+  const std::vector<Candidate>& candidates(std::span<const PointId> live, std::uint32_t most_points,
+                                           float reach);
   /// Points of a candidate's component, ascending.
   std::span<const PointId> members(const Candidate& candidate) const;
   /// True if the candidate is still what it was: its target has not gone meanwhile.
@@ -37,10 +38,10 @@ class ComponentAbsorber {
   PointId nearest_target(std::uint32_t component, std::span<const PointId> live);
 
   SubstitutionKernel& kernel_;
-  std::vector<std::uint32_t> component_;   // per point
-  std::vector<std::uint8_t> locked_;       // per component
+  std::vector<std::uint32_t> component_;        // per point
+  std::vector<std::uint8_t> locked_;            // per component
   std::vector<std::uint32_t> first_, members_;  // live points by component
-  std::vector<float> known_;               // per component: a deviation measured before, a lower guess of the next
+  std::vector<float> known_;  // per component: a deviation measured before, a lower guess of the next
   std::unique_ptr<NearestPoints> index_;
   std::vector<Candidate> candidates_;
 };

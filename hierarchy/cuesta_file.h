@@ -18,7 +18,8 @@ class CuestaFile {
   std::uint64_t file_bytes() const { return container_.file_bytes(); }
 
   /// Reads, checks and decodes one page. Concurrent calls are safe. @pre id < directory().pages.size().
-  /// @error io; corrupt (checksum, damaged stream, or a page that contradicts its directory entry), place "page N".
+  /// @error io; corrupt (checksum, damaged stream, or a page that contradicts its directory entry), place
+  /// "page N".
   Result<Page> read_page(PageId id) const;
 
  private:

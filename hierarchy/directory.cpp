@@ -126,10 +126,12 @@ Result<Directory> decode_directory(std::span<const std::byte> bytes) {
   const auto text = r.get_bytes(r.get_varint());
   d.metadata.assign(reinterpret_cast<const char*>(text.data()), text.size());
   const std::uint64_t count = r.get_varint();
-  if (!r.ok() || count == 0 || count > r.remaining() / least_entry_bytes) return corrupt("impossible number of pages");
+  if (!r.ok() || count == 0 || count > r.remaining() / least_entry_bytes)
+    return corrupt("impossible number of pages");
   d.pages.resize(count);
   for (PageEntry& e : d.pages)
-    if (!get_entry(r, count, e)) return corrupt("entry " + std::to_string(&e - d.pages.data()) + " is damaged");
+    if (!get_entry(r, count, e))
+      return corrupt("entry " + std::to_string(&e - d.pages.data()) + " is damaged");
   if (!r.at_end()) return corrupt("bytes after the last entry");
   if (!is_layered(d)) return corrupt("pages lean on pages that are not of the next round");
   return d;

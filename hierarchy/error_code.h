@@ -1,6 +1,6 @@
 #pragma once
-/// Errors and spheres as they are stored: few bits, rounded up, decoded with exact arithmetic only, so that what was
-/// saturated when it was built (I3) is saturated on every machine that reads it.
+/// Errors and spheres as they are stored: few bits, rounded up, decoded with exact arithmetic only, so that
+/// what was saturated when it was built (I3) is saturated on every machine that reads it.
 
 #include <bit>
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace cuesta {
 
-/// An error in grid units as one byte: 0 is exactly zero; otherwise (8 + m)·2^(e - 9) with m of 3 and e of 5 bits:
-/// from 2^-6 to 2^26, in steps of at most 12.5 %.
+/// An error in grid units as one byte: 0 is exactly zero; otherwise (8 + m)·2^(e - 9) with m of 3 and e of 5
+/// bits: from 2^-6 to 2^26, in steps of at most 12.5 %.
 using ErrorCode8 = std::uint8_t;
 
 constexpr float decode_error(ErrorCode8 code) {
@@ -21,7 +21,8 @@ constexpr float decode_error(ErrorCode8 code) {
   return static_cast<float>(mantissa) * std::bit_cast<float>((exponent + 127u - 9u) << 23);
 }
 
-/// Smallest code whose value is ≥ error; saturates at 255 (2^26 grid units and more: beyond any extent in use).
+/// Smallest code whose value is ≥ error; saturates at 255 (2^26 grid units and more: beyond any extent in
+/// use).
 constexpr ErrorCode8 encode_error_up(float error) {
   if (!(error > 0)) return 0;
   std::uint32_t low = 1, high = 255;
@@ -68,10 +69,10 @@ inline Sphere decode_sphere(SphereCode code, Vec3i fan_centre) {
           decode_radius(code.radius)};
 }
 
-/// True if `outer` contains `inner`, with a margin for the rounding of view tests in f64: an eye up to 1000 times as far
-/// away as the centres are from each other sees the outer ball, as evaluated, no farther than the inner one. (Beyond,
-/// the order could turn only where the balls touch, on the line to the eye, to within 1e-15 of its distance; stored
-/// radii are rounded up by 0.4 % on average.)
+/// True if `outer` contains `inner`, with a margin for the rounding of view tests in f64: an eye up to 1000
+/// times as far away as the centres are from each other sees the outer ball, as evaluated, no farther than
+/// the inner one. (Beyond, the order could turn only where the balls touch, on the line to the eye, to within
+/// 1e-15 of its distance; stored radii are rounded up by 0.4 % on average.)
 inline bool contains(const Sphere& outer, const Sphere& inner) {
   const Vec3d d = vec_cast<double>(outer.centre) - vec_cast<double>(inner.centre);
   return static_cast<double>(outer.radius) - static_cast<double>(inner.radius) >= length(d) * (1 + 1e-12);

@@ -12,14 +12,17 @@ struct Cloud {
   std::vector<std::uint32_t> ids;
 
   std::size_t kdtree_get_point_count() const { return ids.size(); }
-  float kdtree_get_pt(std::size_t i, std::size_t axis) const { return positions[ids[i]][static_cast<int>(axis)]; }
+  float kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    return positions[ids[i]][static_cast<int>(axis)];
+  }
   template <class Box>
   bool kdtree_get_bbox(Box&) const {
     return false;
   }
 };
 
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3, std::uint32_t>;
+using Tree =
+    nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3, std::uint32_t>;
 
 }  // namespace
 
@@ -27,7 +30,8 @@ struct NearestPoints::Index {
   Cloud cloud;
   Tree tree;
   Index(std::span<const Vec3f> positions, std::span<const std::uint32_t> ids)
-      : cloud{positions, {ids.begin(), ids.end()}}, tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {
+      : cloud{positions, {ids.begin(), ids.end()}},
+        tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16)) {
     tree.buildIndex();
   }
 };

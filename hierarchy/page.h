@@ -1,10 +1,10 @@
 #pragma once
 /// A page: a small mesh and the script that simplifies it. The unit of I/O and residency.
 ///
-/// Local numbers are those of the cell's mesh at the start of its round. A vertex is owned by the page whose script
-/// removes it or, a wedge that no surviving triangle uses, orphans it (the base page owns what is never removed); a
-/// triangle likewise. What survives the script lives in pages
-/// of the next round, which list their sources: so no page is ever patched after it is written.
+/// Local numbers are those of the cell's mesh at the start of its round. A vertex is owned by the page whose
+/// script removes it or, a wedge that no surviving triangle uses, orphans it (the base page owns what is
+/// never removed); a triangle likewise. What survives the script lives in pages of the next round, which list
+/// their sources: so no page is ever patched after it is written.
 
 #include <array>
 #include <cstdint>
@@ -21,16 +21,16 @@ using PageId = std::uint32_t;  ///< index into the file's directory; finer pages
 /// Survivors of the source are numbered in its local order, triangles and vertices apart.
 struct PageSource {
   PageId page = 0;
-  std::uint32_t first_triangle = 0;               ///< local; the run is as long as `triangles`
-  std::vector<std::uint32_t> triangles;           ///< ascending survivor numbers in the source
-  std::vector<std::uint32_t> vertices;            ///< ascending survivor numbers in the source
-  std::vector<std::uint32_t> local_vertices;      ///< what they are here, ascending
+  std::uint32_t first_triangle = 0;           ///< local; the run is as long as `triangles`
+  std::vector<std::uint32_t> triangles;       ///< ascending survivor numbers in the source
+  std::vector<std::uint32_t> vertices;        ///< ascending survivor numbers in the source
+  std::vector<std::uint32_t> local_vertices;  ///< what they are here, ascending
 };
 
 /// Attributes of owned vertices, in ascending local order; empty, or one element per owned vertex.
 struct OwnedVertices {
-  std::vector<Vec3i> positions;                        ///< always there; grid units
-  std::vector<std::array<std::int16_t, 2>> normals;    ///< octahedral, normal_bits bits
+  std::vector<Vec3i> positions;                      ///< always there; grid units
+  std::vector<std::array<std::int16_t, 2>> normals;  ///< octahedral, normal_bits bits
   std::vector<Rgba8> colours;
   std::vector<std::array<std::int32_t, 2>> texcoords;  ///< units of 2^-16
 };
@@ -39,10 +39,11 @@ inline constexpr int normal_bits = 10;
 
 struct Page {
   std::uint32_t round = 0;
-  bool base = false;               ///< the coarsest page: owns its survivors too
+  bool base = false;  ///< the coarsest page: owns its survivors too
   std::uint32_t vertex_count = 0;
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< lowest vertex first
-  std::vector<std::uint32_t> wedge_tails;  ///< ascending: vertices in the wedge group of the vertex before them
+  std::vector<std::uint32_t>
+      wedge_tails;  ///< ascending: vertices in the wedge group of the vertex before them
   Script script;
   std::vector<std::uint32_t> orphans;  ///< ascending; neither removed nor used by a surviving triangle
   OwnedVertices owned;

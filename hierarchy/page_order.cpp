@@ -24,8 +24,8 @@ void put_into_strips(std::span<Corners> cell) {
   local.reserve(cell.size() * 3);
   for (const Corners& t : cell)
     for (std::uint32_t v : t)
-      local.push_back(
-          static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin()));
+      local.push_back(static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), v) -
+                                                 vertices.begin()));
   std::vector<std::uint32_t> ordered(local.size());
   meshopt_optimizeVertexCacheStrip(ordered.data(), local.data(), local.size(), vertices.size());
   for (std::size_t i = 0; i < cell.size(); ++i)

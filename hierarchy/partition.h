@@ -1,6 +1,7 @@
 #pragma once
-/// Cuts the triangles of a round into cells of equal count. Each round cuts along other directions, so that the
-/// borders of one round are interior to the cells of the next: no border keeps its resolution for two rounds.
+/// Cuts the triangles of a round into cells of equal count. Each round cuts along other directions, so that
+/// the borders of one round are interior to the cells of the next: no border keeps its resolution for two
+/// rounds.
 
 #include <cstdint>
 #include <span>

@@ -1,7 +1,8 @@
 #pragma once
 /// Quadric cost: orders substitutions, bounds nothing.
-/// Source: Garland, Heckbert, "Surface Simplification Using Quadric Error Metrics", SIGGRAPH 1997, §4, kept about the
-/// vertex's own position instead of a common origin: no cancellation, so `float` suffices at any distance.
+/// Source: Garland, Heckbert, "Surface Simplification Using Quadric Error Metrics", SIGGRAPH 1997, §4, kept
+/// about the vertex's own position instead of a common origin: no cancellation, so `float` suffices at any
+/// distance.
 
 #include "ooc/vec.h"
 

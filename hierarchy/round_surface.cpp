@@ -23,22 +23,26 @@ std::vector<std::uint8_t> shared_groups(const RoundSurface& surface, const GridM
   return shared;
 }
 
-std::vector<std::uint32_t> vertices_of(const RoundSurface& surface, std::span<const std::uint32_t> triangles) {
+std::vector<std::uint32_t> vertices_of(const RoundSurface& surface,
+                                       std::span<const std::uint32_t> triangles) {
   std::vector<std::uint32_t> v;
   v.reserve(triangles.size() * 3);
-  for (std::uint32_t t : triangles) v.insert(v.end(), surface.triangles[t].begin(), surface.triangles[t].end());
+  for (std::uint32_t t : triangles)
+    v.insert(v.end(), surface.triangles[t].begin(), surface.triangles[t].end());
   std::sort(v.begin(), v.end());
   v.erase(std::unique(v.begin(), v.end()), v.end());
   return v;
 }
 
 std::uint32_t local_number(std::span<const std::uint32_t> vertices, std::uint32_t global) {
-  return static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), global) - vertices.begin());
+  return static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), global) -
+                                    vertices.begin());
 }
 
 }  // namespace
 
-std::vector<Vec3f> triangle_centres(std::span<const std::array<std::uint32_t, 3>> triangles, const GridMesh& mesh) {
+std::vector<Vec3f> triangle_centres(std::span<const std::array<std::uint32_t, 3>> triangles,
+                                    const GridMesh& mesh) {
   std::vector<Vec3f> centres;
   centres.reserve(triangles.size());
   for (const auto& t : triangles) {
@@ -75,8 +79,9 @@ Cell RoundCells::cell(std::uint32_t c) const {
   if (!first_round) cell.samples.begin.push_back(0);
   for (std::uint32_t t : triangles) {
     const auto& g = surface_.triangles[t];
-    cell.triangles.push_back(rotated_lowest_first({local_number(out.vertices, g[0]), local_number(out.vertices, g[1]),
-                                                   local_number(out.vertices, g[2])}));
+    cell.triangles.push_back(
+        rotated_lowest_first({local_number(out.vertices, g[0]), local_number(out.vertices, g[1]),
+                              local_number(out.vertices, g[2])}));
     if (first_round) continue;
     cell.births.push_back(surface_.births[t]);
     const auto samples = surface_.samples.points.begin();
@@ -104,7 +109,8 @@ std::vector<PageSource> RoundCells::sources_of(std::span<const std::uint32_t> tr
   std::vector<PageSource> sources;
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
     const TriangleOrigin origin = surface_.origins[triangles[i]];
-    if (sources.empty() || sources.back().page != origin.page) sources.push_back({origin.page, i, {}, {}, {}});
+    if (sources.empty() || sources.back().page != origin.page)
+      sources.push_back({origin.page, i, {}, {}, {}});
     sources.back().triangles.push_back(origin.survivor);
   }
   for (PageSource& s : sources) {

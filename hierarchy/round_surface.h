@@ -27,7 +27,8 @@ struct RoundSurface {
   TriangleSamples samples;                              ///< empty in round 0
   std::vector<TriangleOrigin> origins;                  ///< empty in round 0
   PageId first_page = 0;                                ///< of the round before
-  std::vector<std::vector<std::uint32_t>> survivor_vertices;  ///< per page of the round before: ascending, global
+  std::vector<std::vector<std::uint32_t>>
+      survivor_vertices;  ///< per page of the round before: ascending, global
 };
 
 /// A cell as the kernel wants it, and the way back to global numbers.
@@ -38,7 +39,8 @@ struct Cell {
 };
 
 /// Centre of each triangle, grid units.
-std::vector<Vec3f> triangle_centres(std::span<const std::array<std::uint32_t, 3>> triangles, const GridMesh& mesh);
+std::vector<Vec3f> triangle_centres(std::span<const std::array<std::uint32_t, 3>> triangles,
+                                    const GridMesh& mesh);
 
 /// Copies the cells of a surface out. Copying is const and may run concurrently.
 class RoundCells {

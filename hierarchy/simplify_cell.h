@@ -1,7 +1,7 @@
 #pragma once
 /// The fan-merge passes over one cell: DESIGN §6 "a pass in a cell".
-/// Source: Livny, Sokolovsky, El-Sana, "Dual adaptive paths for multiresolution hierarchies", §3.1–3.3; the heap is
-/// replaced by passes with a rising threshold, whose fans are disjoint and so independent of order.
+/// Source: Livny, Sokolovsky, El-Sana, "Dual adaptive paths for multiresolution hierarchies", §3.1–3.3; the
+/// heap is replaced by passes with a rising threshold, whose fans are disjoint and so independent of order.
 
 #include "hierarchy/cell_mesh.h"
 

@@ -10,7 +10,8 @@
 
 namespace cuesta {
 
-/// Sequential writer to `<path>.part`; `commit()` syncs and renames it. Destroyed without commit: the part is removed.
+/// Sequential writer to `<path>.part`; `commit()` syncs and renames it. Destroyed without commit: the part is
+/// removed.
 class AtomicFile {
  public:
   static Result<AtomicFile> create(const std::filesystem::path& path);

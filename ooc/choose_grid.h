@@ -19,8 +19,8 @@ inline constexpr std::size_t kEdgeSampleTriangles = 1 << 16;
 
 /// Origin at the box minimum of the triangles' vertices rounded down to a step, so that coordinates are in
 /// [0, 2^30).
-/// @param step  world units; 0 chooses max(min(median edge / 128, first percentile / 8), extent / 2^21), of the edges,
-/// without
+/// @param step  world units; 0 chooses max(min(median edge / 128, first percentile / 8), extent / 2^21), of
+/// the edges, without
 ///              those of length 0, of at most 2^16 triangles at an even stride.
 /// @pre   indices in range, positions finite.
 /// @error invalid_input for a step that is not a positive number, or too small for the extent.

@@ -1,6 +1,6 @@
 #pragma once
-/// The .cuesta container: a header at a known place, checksummed aligned blocks, and a directory that the header
-/// points at. What the blocks and the directory mean is the business of hierarchy/.
+/// The .cuesta container: a header at a known place, checksummed aligned blocks, and a directory that the
+/// header points at. What the blocks and the directory mean is the business of hierarchy/.
 ///
 /// Layout, little-endian (docs/format.md):
 ///   0  8 bytes "CUESTA\r\n"   8  u32 version   12 u32 header bytes (64)   16 u64 directory offset

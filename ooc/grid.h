@@ -1,6 +1,6 @@
 #pragma once
-/// The quantisation grid that all pages of a file share: a vertex has integer coordinates, so vertices shared by
-/// pages decode bit-identically, and the stored mesh is the mesh whose errors were measured.
+/// The quantisation grid that all pages of a file share: a vertex has integer coordinates, so vertices shared
+/// by pages decode bit-identically, and the stored mesh is the mesh whose errors were measured.
 
 #include "ooc/vec.h"
 
@@ -18,7 +18,8 @@ struct Grid {
   /// Nearest grid point; ties go up.
   Vec3i snap(Vec3d w) const {
     const Vec3d g = (w - origin) / step;
-    return {static_cast<std::int32_t>(std::floor(g.x + 0.5)), static_cast<std::int32_t>(std::floor(g.y + 0.5)),
+    return {static_cast<std::int32_t>(std::floor(g.x + 0.5)),
+            static_cast<std::int32_t>(std::floor(g.y + 0.5)),
             static_cast<std::int32_t>(std::floor(g.z + 0.5))};
   }
 };

@@ -1,6 +1,6 @@
 #pragma once
-/// Mesh files in: PLY (ascii, both binary orders, tristrips), OBJ, STL (both), OFF, glTF/GLB (Draco and meshopt too),
-/// bare Draco (.drc); each of them also inside gzip or Zstandard (scan.ply.gz, scan.obj.zst).
+/// Mesh files in: PLY (ascii, both binary orders, tristrips), OBJ, STL (both), OFF, glTF/GLB (Draco and
+/// meshopt too), bare Draco (.drc); each of them also inside gzip or Zstandard (scan.ply.gz, scan.obj.zst).
 /// A reader streams blocks into a sink, so a file larger than memory can be read in one pass.
 
 #include <array>
@@ -25,10 +25,12 @@ struct VertexBlock {
 };
 
 /// Indices count the vertices of the whole file from 0, in the order in which the blocks gave them.
-/// A sink may get triangles before the vertices they name; readers have checked indices against the file's count.
+/// A sink may get triangles before the vertices they name; readers have checked indices against the file's
+/// count.
 using TriangleBlock = std::span<const std::array<std::uint64_t, 3>>;
 
-/// Receives a file in blocks of at most 2^16 elements. An error returned by a sink ends the read with that error.
+/// Receives a file in blocks of at most 2^16 elements. An error returned by a sink ends the read with that
+/// error.
 class MeshSink {
  public:
   virtual ~MeshSink() = default;
@@ -40,33 +42,37 @@ class MeshSink {
 struct ReadReport {
   std::uint64_t vertices = 0;
   std::uint64_t triangles = 0;
-  std::uint64_t polygons_triangulated = 0;   ///< faces with more than three corners
-  std::uint64_t faces_out_of_range = 0;      ///< dropped: an index beyond the vertices of the file
-  std::uint64_t faces_too_small = 0;         ///< dropped: fewer than three corners
-  std::uint64_t other_files = 0;             ///< read beside this one: buffers of a glTF document
+  std::uint64_t polygons_triangulated = 0;  ///< faces with more than three corners
+  std::uint64_t faces_out_of_range = 0;     ///< dropped: an index beyond the vertices of the file
+  std::uint64_t faces_too_small = 0;        ///< dropped: fewer than three corners
+  std::uint64_t other_files = 0;            ///< read beside this one: buffers of a glTF document
 };
 
 /// Bytes read so far of the total, for a progress bar; returning false cancels the read.
 using ReadProgress = std::function<bool(std::uint64_t bytes_done, std::uint64_t bytes_total)>;
 
-/// Reads `path`, its format taken from the content (magic bytes), else from the extension; that of a compressed file
-/// from the content inside, else from the extension before .gz or .zst.
-/// @param memory_bytes  what the reader itself may allocate. The file is mapped, which costs none of it. PLY of binary
+/// Reads `path`, its format taken from the content (magic bytes), else from the extension; that of a
+/// compressed file from the content inside, else from the extension before .gz or .zst.
+/// @param memory_bytes  what the reader itself may allocate. The file is mapped, which costs none of it. PLY
+/// of binary
 ///        rows needs nothing, text formats 24 to 80 bytes per vertex, Draco 120 per face and 80 per vertex.
-/// @param temp  folder for what a compressed file unpacks to: a file without a name, mapped. Empty: TMPDIR, or else /tmp.
+/// @param temp  folder for what a compressed file unpacks to: a file without a name, mapped. Empty: TMPDIR,
+/// or else /tmp.
 ///        Unpacking is the first half of the progress; the place of an error behind it ends in "unpacked".
-/// STL gives three vertices per facet and no normals; OBJ a vertex per distinct v/vt/vn; glTF one copy of a mesh per
-/// node that shows it, in world coordinates, colours as sRGB and texture coordinates with v up.
-/// @error not_found, io; corrupt or unsupported_version with line or byte; out_of_budget before a count in the
-///        file makes it allocate more; cancelled. Also of unpack_file(). Never more memory than `memory_bytes` + 16 MiB
-///        (for hostile Draco data see draco_mesh.h).
+/// STL gives three vertices per facet and no normals; OBJ a vertex per distinct v/vt/vn; glTF one copy of a
+/// mesh per node that shows it, in world coordinates, colours as sRGB and texture coordinates with v up.
+/// @error not_found, io; corrupt or unsupported_version with line or byte; out_of_budget before a count in
+/// the
+///        file makes it allocate more; cancelled. Also of unpack_file(). Never more memory than
+///        `memory_bytes` + 16 MiB (for hostile Draco data see draco_mesh.h).
 Result<ReadReport> read_mesh(const std::filesystem::path& path, MeshSink& sink, std::uint64_t memory_bytes,
                              const ReadProgress& progress = {}, const std::filesystem::path& temp = {});
 
-/// Reads a whole file into memory. @error as read_mesh; out_of_budget above 2^32 - 2 vertices or `memory_bytes`.
+/// Reads a whole file into memory. @error as read_mesh; out_of_budget above 2^32 - 2 vertices or
+/// `memory_bytes`.
 Result<SurfaceMesh> load_mesh(const std::filesystem::path& path, std::uint64_t memory_bytes,
                               ReadReport* report = nullptr, const ReadProgress& progress = {},
-                             const std::filesystem::path& temp = {});
+                              const std::filesystem::path& temp = {});
 
 /// Vertices of files without an attribute that another file has. All zero for one file.
 struct MissingAttributes {
@@ -81,8 +87,8 @@ struct LoadedMeshes {
   MissingAttributes missing;
 };
 
-/// Reads files into one surface: vertices and triangles in the order of `paths`, an attribute if any file has it.
-/// Nothing is welded here: where files meet, clean_mesh() does.
+/// Reads files into one surface: vertices and triangles in the order of `paths`, an attribute if any file has
+/// it. Nothing is welded here: where files meet, clean_mesh() does.
 /// @param progress  over the bytes of all files together.
 /// @error as load_mesh(); that a file is missing is found before the first is read.
 Result<LoadedMeshes> load_meshes(std::span<const std::filesystem::path> paths, std::uint64_t memory_bytes,

@@ -1,6 +1,6 @@
 #pragma once
-/// Octahedral normals. Source: Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors",
-/// JCGT 2014, §3.
+/// Octahedral normals. Source: Cigolle et al., "A Survey of Efficient Representations for Independent Unit
+/// Vectors", JCGT 2014, §3.
 
 #include <array>
 #include <cmath>
@@ -15,7 +15,8 @@ namespace cuesta {
 inline std::array<std::int16_t, 2> encode_oct(Vec3f n, int bits) {
   const float scale = static_cast<float>((1 << (bits - 1)) - 1);
   const float sum = std::abs(n.x) + std::abs(n.y) + std::abs(n.z);
-  if (!(sum > 0)) return {static_cast<std::int16_t>(-(1 << (bits - 1))), static_cast<std::int16_t>(-(1 << (bits - 1)))};
+  if (!(sum > 0))
+    return {static_cast<std::int16_t>(-(1 << (bits - 1))), static_cast<std::int16_t>(-(1 << (bits - 1)))};
   float u = n.x / sum;
   float v = n.y / sum;
   if (n.z < 0) {
@@ -23,7 +24,8 @@ inline std::array<std::int16_t, 2> encode_oct(Vec3f n, int bits) {
     v = (1 - std::abs(u)) * (v >= 0 ? 1.0f : -1.0f);
     u = folded;
   }
-  return {static_cast<std::int16_t>(std::lround(u * scale)), static_cast<std::int16_t>(std::lround(v * scale))};
+  return {static_cast<std::int16_t>(std::lround(u * scale)),
+          static_cast<std::int16_t>(std::lround(v * scale))};
 }
 
 /// Inverse of encode_oct; unit, or zero for the "no normal" code. Angle error at 10 bits: at most 0.25°.

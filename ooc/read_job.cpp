@@ -10,8 +10,9 @@ Result<void> ReadBudget::charge(std::uint64_t count, std::uint64_t element_bytes
   const std::uint64_t free = left();
   if (element_bytes != 0 && count > free / element_bytes) {
     const std::string each = element_bytes == 1 ? "" : fmt::format(" of {} bytes each", element_bytes);
-    return fail(ErrorCode::out_of_budget, "", "",
-                fmt::format("{} {}{} do not fit in the {} bytes left; allow more memory", count, what, each, free));
+    return fail(
+        ErrorCode::out_of_budget, "", "",
+        fmt::format("{} {}{} do not fit in the {} bytes left; allow more memory", count, what, each, free));
   }
   used_ += count * element_bytes;
   return {};

@@ -1,5 +1,6 @@
 #pragma once
-/// The plain struct that crosses the border between mesh files and everything else: one indexed surface in memory.
+/// The plain struct that crosses the border between mesh files and everything else: one indexed surface in
+/// memory.
 
 #include <array>
 #include <cstdint>
@@ -17,7 +18,7 @@ using TexCoord = std::array<float, 2>;      ///< u right, v up
 /// vertex at the same position (a wedge).
 struct SurfaceMesh {
   std::vector<Vec3d> positions;
-  std::vector<Vec3f> normals;       ///< unit, or zero where the file had none
+  std::vector<Vec3f> normals;  ///< unit, or zero where the file had none
   std::vector<Rgba8> colours;
   std::vector<TexCoord> texcoords;
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< indices into positions

@@ -1,5 +1,6 @@
 #pragma once
-/// Three-vectors for positions, directions and grid coordinates. Plain aggregates: 3 × sizeof(T) bytes, no padding.
+/// Three-vectors for positions, directions and grid coordinates. Plain aggregates: 3 × sizeof(T) bytes, no
+/// padding.
 
 #include <algorithm>
 #include <cmath>
@@ -63,7 +64,8 @@ constexpr Vec3<To> vec_cast(Vec3<From> a) {
 template <class T>
 struct Box3 {
   Vec3<T> lo{std::numeric_limits<T>::max(), std::numeric_limits<T>::max(), std::numeric_limits<T>::max()};
-  Vec3<T> hi{std::numeric_limits<T>::lowest(), std::numeric_limits<T>::lowest(), std::numeric_limits<T>::lowest()};
+  Vec3<T> hi{std::numeric_limits<T>::lowest(), std::numeric_limits<T>::lowest(),
+             std::numeric_limits<T>::lowest()};
 
   constexpr bool empty() const { return lo.x > hi.x; }
   constexpr void add(Vec3<T> p) {

@@ -48,7 +48,8 @@ Result<std::unique_ptr<Cut>> Cut::open(CuestaFile file, std::uint64_t cache_byte
   return std::unique_ptr<Cut>(new Cut(std::move(*cache), std::move(clock)));
 }
 
-/// Loads what the view wants, the worst first; pages that become loadable by it are considered in the same call.
+/// Loads what the view wants, the worst first; pages that become loadable by it are considered in the same
+/// call.
 void Cut::load_pages(const ErrorScale& scale, double tau, const Budgets& budgets, AdaptReport& report) {
   const Directory& d = directory();
   std::vector<std::pair<double, PageId>> wanted;
@@ -131,13 +132,16 @@ void Cut::plan(const ErrorScale& scale, Band band) {
         const std::uint16_t most = count_up_to(children, s, band.undo_above);
         for (std::uint16_t i = most; i < fan.applied; ++i) demanded_ += children[i].removed;
       }
-      const std::uint16_t most = band.apply_up_to < band.undo_above ? count_up_to(children, s, band.undo_above) : least;
-      if (std::max(fan.applied, least) < most) band_.push_back({sse_of(children[most - 1u].error, s), id, f, most});
+      const std::uint16_t most =
+          band.apply_up_to < band.undo_above ? count_up_to(children, s, band.undo_above) : least;
+      if (std::max(fan.applied, least) < most)
+        band_.push_back({sse_of(children[most - 1u].error, s), id, f, most});
     }
   }
 }
 
-/// Gives back what fills the band when the demanded part needs the room. @return true if it did: the plan is stale then.
+/// Gives back what fills the band when the demanded part needs the room. @return true if it did: the plan is
+/// stale then.
 bool Cut::make_room(std::uint64_t triangle_budget) {
   if (band_.empty() || cache_->pool().active_triangles() + demanded_ <= triangle_budget) return false;
   std::sort(band_.begin(), band_.end(), [](const Operation& a, const Operation& b) {
@@ -201,7 +205,8 @@ double Cut::achieved(const ErrorScale& scale) const {
     for (std::size_t f = 0; f < page.fans().size(); ++f) {
       const FanState& fan = page.fans()[f];
       if (fan.applied > 0)
-        worst = std::max(worst, scale.sse(decode_error(page.children(fan)[fan.applied - 1u].error), page.sphere(f)));
+        worst = std::max(worst,
+                         scale.sse(decode_error(page.children(fan)[fan.applied - 1u].error), page.sphere(f)));
     }
   }
   for (PageId id = 0; id < directory().pages.size(); ++id) {
@@ -223,7 +228,8 @@ AdaptReport Cut::adapt(const ErrorScale& scale, double tau, const Budgets& budge
   const Band band = report.pages_loaded > 0 ? affordable_band(scale, tau, budgets.triangles) : wanted;
   plan(scale, band);
   const bool coarsened = coarsen(budgets, start, report);
-  // Above what coarsen() did: not before it is complete. What it applies may have to be undone first of all (I4).
+  // Above what coarsen() did: not before it is complete. What it applies may have to be undone first of all
+  // (I4).
   if (coarsened && make_room(budgets.triangles)) plan(scale, band);
   if (!coarsened) report.bound_by = Binding::adapt_time;
   const bool refined = coarsened && refine(budgets, start, report);

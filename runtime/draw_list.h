@@ -26,11 +26,11 @@ struct Range {
 /// Spans stay valid until the next call that changes the owner.
 struct DrawList {
   Grid grid;
-  std::span<const DrawVertex> vertices;    ///< the whole pool; slots that nothing uses hold anything
-  std::span<const TexCoord> texcoords;     ///< one per vertex slot, or empty
-  std::span<const std::uint32_t> indices;  ///< the whole pool, three per triangle
-  std::span<const Range> draws;            ///< ranges of `indices`, one per page with something to draw
-  std::span<const Range> changed_vertices; ///< ranges of `vertices` to upload since the last frame
+  std::span<const DrawVertex> vertices;     ///< the whole pool; slots that nothing uses hold anything
+  std::span<const TexCoord> texcoords;      ///< one per vertex slot, or empty
+  std::span<const std::uint32_t> indices;   ///< the whole pool, three per triangle
+  std::span<const Range> draws;             ///< ranges of `indices`, one per page with something to draw
+  std::span<const Range> changed_vertices;  ///< ranges of `vertices` to upload since the last frame
   std::span<const Range> changed_indices;
 };
 

@@ -136,7 +136,8 @@ DrawList GeometryPool::draw_list(const Grid& grid) {
 
 std::uint64_t GeometryPool::bytes() const {
   return vertices_.capacity() * sizeof(DrawVertex) + texcoords_.capacity() * sizeof(TexCoord) +
-         (indices_.capacity() + place_.capacity() + at_place_.capacity() + owner_.capacity()) * sizeof(std::uint32_t);
+         (indices_.capacity() + place_.capacity() + at_place_.capacity() + owner_.capacity()) *
+             sizeof(std::uint32_t);
 }
 
 }  // namespace cuesta

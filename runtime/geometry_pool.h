@@ -1,6 +1,7 @@
 #pragma once
 /// Vertices and triangles of all resident pages, in the form in which they are drawn.
-/// A page owns a run of vertex slots and a run of triangles; its active triangles are kept at the front of its run.
+/// A page owns a run of vertex slots and a run of triangles; its active triangles are kept at the front of
+/// its run.
 
 #include <cstdint>
 #include <map>
@@ -51,7 +52,9 @@ class GeometryPool {
   /// As long as vertices(run), or empty without texture coordinates.
   std::span<TexCoord> texcoords(RunId run);
   const DrawVertex& vertex(std::uint32_t slot) const { return vertices_[slot]; }
-  std::uint32_t corner(TriangleHandle t, std::uint32_t c) const { return indices_[std::size_t{place_[t]} * 3 + c]; }
+  std::uint32_t corner(TriangleHandle t, std::uint32_t c) const {
+    return indices_[std::size_t{place_[t]} * 3 + c];
+  }
   void set_corner(TriangleHandle t, std::uint32_t c, std::uint32_t slot) {
     const std::uint32_t place = place_[t];
     indices_[std::size_t{place} * 3 + c] = slot;

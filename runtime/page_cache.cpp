@@ -7,11 +7,12 @@
 namespace cuesta {
 namespace {
 
-/// Estimate of a page's bytes once resident, from its directory entry: pages of scans take 0.6 to 0.9 of it. Points
-/// with thousands of neighbours take more, so enter() is followed by a look at what it really took.
+/// Estimate of a page's bytes once resident, from its directory entry: pages of scans take 0.6 to 0.9 of it.
+/// Points with thousands of neighbours take more, so enter() is followed by a look at what it really took.
 std::uint64_t expected_bytes(const PageEntry& e, bool texcoords) {
   return std::uint64_t{e.vertices} * 28 + std::uint64_t{e.triangles} * 24 +
-         std::uint64_t{e.owned_vertices} * (texcoords ? 80 : 72) + std::uint64_t{e.owned_triangles} * 24 + 8192;
+         std::uint64_t{e.owned_vertices} * (texcoords ? 80 : 72) + std::uint64_t{e.owned_triangles} * 24 +
+         8192;
 }
 
 }  // namespace
@@ -29,8 +30,8 @@ Result<std::unique_ptr<PageCache>> PageCache::open(CuestaFile file, std::uint64_
   if (auto r = cache->enter(base); !r) return fail(r.error());
   if (cache->resident_bytes_ > budget_bytes)
     return fail(ErrorCode::out_of_budget, cache->file_.path().string(), "page " + std::to_string(base),
-                "the coarsest page takes " + std::to_string(cache->resident_bytes_) + " bytes, the budget is " +
-                    std::to_string(budget_bytes) + "; give a larger cache");
+                "the coarsest page takes " + std::to_string(cache->resident_bytes_) +
+                    " bytes, the budget is " + std::to_string(budget_bytes) + "; give a larger cache");
   return cache;
 }
 
@@ -62,7 +63,8 @@ Result<void> PageCache::enter(PageId id) {
 Result<bool> PageCache::load(PageId id, std::uint64_t frame) {
   CUESTA_CHECK(loadable(id), id);
   const PageEntry& entry = directory().pages[id];
-  for (PageId c : entry.coarser) want(c, frame);  // whatever the file says of them: not evicted for their finer page
+  for (PageId c : entry.coarser)
+    want(c, frame);  // whatever the file says of them: not evicted for their finer page
   if (!make_room(std::max(expected_bytes(entry, directory().has_texcoords), least_room_[id]), frame)) {
     ++counters_.refused_for_budget;
     return false;
@@ -86,7 +88,8 @@ bool PageCache::make_room(std::uint64_t bytes, std::uint64_t frame) {
     const ResidentPage* oldest = nullptr;
     for (PageId id : resident_ids_) {
       const ResidentPage& p = *pages_[id];
-      if (id == directory().base() || p.finer_residents > 0 || !p.fully_coarse() || p.last_wanted >= frame) continue;
+      if (id == directory().base() || p.finer_residents > 0 || !p.fully_coarse() || p.last_wanted >= frame)
+        continue;
       if (!oldest || p.last_wanted < oldest->last_wanted) oldest = &p;
     }
     if (!oldest) return false;

@@ -1,5 +1,6 @@
 #pragma once
-/// Resident pages under a byte budget. A page is usable when its coarser pages are resident; the base page always is.
+/// Resident pages under a byte budget. A page is usable when its coarser pages are resident; the base page
+/// always is.
 
 #include <cstdint>
 #include <memory>
@@ -38,7 +39,8 @@ class PageCache {
   bool failed(PageId id) const { return failed_[id] != 0; }
   /// Marks a resident page as wanted in this frame: not evicted while it is.
   void want(PageId id, std::uint64_t frame) { pages_[id]->last_wanted = frame; }
-  /// Reads, decodes and enters a page, evicting fully coarse pages not wanted in `frame`, least recently wanted first.
+  /// Reads, decodes and enters a page, evicting fully coarse pages not wanted in `frame`, least recently
+  /// wanted first.
   /// @return false if the budget has no room. @error of reading the page, which is then never tried again.
   /// @pre loadable(id).
   Result<bool> load(PageId id, std::uint64_t frame);
@@ -59,7 +61,7 @@ class PageCache {
   std::vector<std::unique_ptr<ResidentPage>> pages_;
   std::vector<std::uint8_t> failed_;
   std::vector<std::uint64_t> least_room_;  // per page: what it took when that did not fit; else 0
-  std::vector<PageId> resident_ids_;  // ascending
+  std::vector<PageId> resident_ids_;       // ascending
   std::uint64_t resident_bytes_ = 0;
   CacheCounters counters_;
   std::vector<Error> errors_;

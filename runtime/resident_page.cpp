@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::uint32_t no_entry = std::numeric_limits<std::uint32_t>::max();
 
-/// A script changes each triangle a few times: 3 entries per triangle are usual. Beyond this it is an attack: a chain
-/// of substitutions that carries a whole page along takes the square of the page.
+/// A script changes each triangle a few times: 3 entries per triangle are usual. Beyond this it is an attack:
+/// a chain of substitutions that carries a whole page along takes the square of the page.
 constexpr std::size_t largest_entries(std::size_t triangles) {
   return std::max(std::size_t{1} << 24, triangles * 64);
 }
@@ -23,7 +23,8 @@ tl::unexpected<Error> misfit(PageId id, std::string what) {
 
 std::int16_t widen_normal(std::int16_t n) {
   constexpr int none = -(1 << (normal_bits - 1));
-  return n == none ? std::int16_t{-32768} : static_cast<std::int16_t>(n * 32767 / ((1 << (normal_bits - 1)) - 1));
+  return n == none ? std::int16_t{-32768}
+                   : static_cast<std::int16_t>(n * 32767 / ((1 << (normal_bits - 1)) - 1));
 }
 
 std::uint32_t lowest_corner(const std::array<std::uint32_t, 3>& t) {
@@ -41,16 +42,19 @@ class PageReplay {
     link_corners();
     if (!replay()) return misfit(out_.id_, "the script does not fit the page's triangles");
     enter_vertices();
-    if (!resolve_vertices(coarser)) return misfit(out_.id_, "a surviving vertex is in none of the coarser pages");
+    if (!resolve_vertices(coarser))
+      return misfit(out_.id_, "a surviving vertex is in none of the coarser pages");
     enter_triangles();
-    if (!resolve_triangles(coarser)) return misfit(out_.id_, "surviving triangles do not match the coarser pages");
+    if (!resolve_triangles(coarser))
+      return misfit(out_.id_, "surviving triangles do not match the coarser pages");
     finish_entries();
     finish_fans();
     return {};
   }
 
  private:
-  /// Corner t·3 + c is in the list of its current vertex; lists are joined in O(1) when a vertex is substituted.
+  /// Corner t·3 + c is in the list of its current vertex; lists are joined in O(1) when a vertex is
+  /// substituted.
   void link_corners() {
     const std::size_t n = page_.triangles.size();
     corners_.reserve(n);
@@ -82,10 +86,11 @@ class PageReplay {
     return true;
   }
 
-  /// Entries hold local corner numbers until handles are known: removed ones the triangle, modified ones t·3 + c.
+  /// Entries hold local corner numbers until handles are known: removed ones the triangle, modified ones t·3
+  /// + c.
   bool substitute(const Child& child) {
-    ChildState state{child.vertex, child.target, static_cast<std::uint32_t>(out_.entries_.size()), 0, child.error,
-                     child.joined};
+    ChildState state{child.vertex, child.target, static_cast<std::uint32_t>(out_.entries_.size()), 0,
+                     child.error,  child.joined};
     modified_.clear();
     std::uint32_t removed = 0;
     for (std::uint32_t corner = head_[child.vertex]; corner != no_entry;) {
@@ -174,7 +179,8 @@ class PageReplay {
     for (std::uint32_t t = 0; t < corners_.size(); ++t) {
       if (!page_.base && alive_[t]) continue;
       out_.triangle_ref_[t] = handle * 4;
-      for (std::uint32_t c = 0; c < 3; ++c) out_.pool_.set_corner(handle, c, out_.vertex_slot_[corners_[t][c]]);
+      for (std::uint32_t c = 0; c < 3; ++c)
+        out_.pool_.set_corner(handle, c, out_.vertex_slot_[corners_[t][c]]);
       ++handle;
     }
     if (!page_.base) return;
@@ -182,8 +188,8 @@ class PageReplay {
       if (alive_[t]) out_.pool_.activate(out_.triangle_ref_[t] / 4);
   }
 
-  /// A survivor is a triangle of a coarser page; both name it lowest vertex first, so the turn between their corner
-  /// numbers is where the lowest vertex is now.
+  /// A survivor is a triangle of a coarser page; both name it lowest vertex first, so the turn between their
+  /// corner numbers is where the lowest vertex is now.
   bool resolve_triangles(std::span<ResidentPage* const> coarser) {
     std::vector<std::uint32_t> survivors;
     for (std::uint32_t t = 0; t < corners_.size(); ++t)
@@ -200,8 +206,8 @@ class PageReplay {
         out_.triangle_ref_[t] = ref / 4 * 4 + turn;
       }
     }
-    return resolved == survivors.size() &&
-           std::find(out_.triangle_ref_.begin(), out_.triangle_ref_.end(), no_entry) == out_.triangle_ref_.end();
+    return resolved == survivors.size() && std::find(out_.triangle_ref_.begin(), out_.triangle_ref_.end(),
+                                                     no_entry) == out_.triangle_ref_.end();
   }
 
   void finish_entries() {
@@ -300,7 +306,8 @@ std::uint32_t ResidentPage::undo_gain(std::size_t fan) const {
 
 std::uint64_t ResidentPage::bytes() const {
   std::uint64_t b = vertex_slot_.size() * 4 + triangle_ref_.size() * 4 + fans_.size() * sizeof(FanState) +
-                    spheres_.size() * sizeof(Sphere) + children_.size() * sizeof(ChildState) + entries_.size() * 4;
+                    spheres_.size() * sizeof(Sphere) + children_.size() * sizeof(ChildState) +
+                    entries_.size() * 4;
   for (const auto& s : sources_) b += (s.triangles.size() + s.vertices.size() + s.local_vertices.size()) * 4;
   const auto& run = pool_.run(run_);
   return b + run.vertices * sizeof(DrawVertex) + pool_.texcoords(run_).size_bytes() +

@@ -1,5 +1,6 @@
 #pragma once
-/// A page in memory, its script replayed into lists of what each substitution changes: FAN's removed(v) and modified(v).
+/// A page in memory, its script replayed into lists of what each substitution changes: FAN's removed(v) and
+/// modified(v).
 
 #include <cstdint>
 #include <memory>
@@ -13,16 +14,16 @@
 
 namespace cuesta {
 
-/// State of a fan: how many of its substitutions are applied. Between fans of all resident pages these counts are
-/// the cut.
+/// State of a fan: how many of its substitutions are applied. Between fans of all resident pages these counts
+/// are the cut.
 struct FanState {
   std::uint32_t first_child;
   std::uint16_t child_count;
   std::uint16_t applied;
 };
 
-/// What one substitution changes is entries[first_entry … next child's first_entry): removed triangles, then corners
-/// of modified ones.
+/// What one substitution changes is entries[first_entry … next child's first_entry): removed triangles, then
+/// corners of modified ones.
 struct ChildState {
   std::uint32_t from_slot, to_slot;
   std::uint32_t first_entry;
@@ -34,11 +35,13 @@ struct ChildState {
 /// About 60 bytes per owned triangle, its share of the pool included.
 class ResidentPage {
  public:
-  /// Replays `page` on top of its coarser pages, all resident, and enters its geometry into the pool. The page
-  /// arrives fully coarse: nothing that is drawn changes (except for the base page, which draws its survivors).
+  /// Replays `page` on top of its coarser pages, all resident, and enters its geometry into the pool. The
+  /// page arrives fully coarse: nothing that is drawn changes (except for the base page, which draws its
+  /// survivors).
   /// @error corrupt when the page does not fit the coarser ones.
   static Result<std::unique_ptr<ResidentPage>> create(PageId id, const Page& page,
-                                                      std::span<ResidentPage* const> coarser, GeometryPool& pool);
+                                                      std::span<ResidentPage* const> coarser,
+                                                      GeometryPool& pool);
   ~ResidentPage();
   ResidentPage(const ResidentPage&) = delete;
   ResidentPage& operator=(const ResidentPage&) = delete;
@@ -80,7 +83,7 @@ class ResidentPage {
   std::vector<std::uint32_t> triangle_ref_;  // per local triangle: handle · 4 + turn of its corners
   std::vector<FanState> fans_;
   std::vector<Sphere> spheres_;
-  std::vector<ChildState> children_;  // one more than there are: the end of the last one's entries
+  std::vector<ChildState> children_;    // one more than there are: the end of the last one's entries
   std::vector<std::uint32_t> entries_;  // removed: handle; modified: handle · 4 + corner
   std::vector<SourceTable> sources_;
   std::uint32_t applied_ = 0;

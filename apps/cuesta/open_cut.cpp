@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint32_t pages_per_call = 32;  // so that the progress line moves, and a stop is noticed
 constexpr std::uint64_t sketch_triangles = 4000;
 constexpr double least_sketch = 0.8;  // of the box's diagonal, for a sketch to stand for the surface
-constexpr int most_calls = 100000;  // more than any file needs; a cut that does not settle ends too
+constexpr int most_calls = 100000;    // more than any file needs; a cut that does not settle ends too
 
 std::vector<Vec3d> corners(const Box3d& box) {
   std::vector<Vec3d> points;

@@ -63,7 +63,8 @@ struct Pending {
   std::uint32_t child;
 };
 
-/// Squared distances from q to four boxes. Lanes innermost and kept rolled, so that it becomes SIMD at -O2 and -O3.
+/// Squared distances from q to four boxes. Lanes innermost and kept rolled, so that it becomes SIMD at -O2
+/// and -O3.
 std::array<float, 4> box_distances_sq(const float (&lo)[3][4], const float (&hi)[3][4], Vec3f q) {
   alignas(16) std::array<float, 4> d{};
   for (int axis = 0; axis < 3; ++axis) {

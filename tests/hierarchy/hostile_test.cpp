@@ -87,8 +87,8 @@ TEST_P(Hostile, gaps_that_wrap_around_are_refused) {
   ByteWriter steps;
   for (std::size_t i = 0; i < good_.pages.front().script.fans.size(); ++i)
     steps.put_signed_varint(std::numeric_limits<std::int64_t>::max());
-  if (steps.size() > 0)
-    EXPECT_FALSE(decode_page(with_stream(good_.pages.front(), PageStream::fan_centres, steps.bytes())));
+  if (steps.size() == 0) return;
+  EXPECT_FALSE(decode_page(with_stream(good_.pages.front(), PageStream::fan_centres, steps.bytes())));
 }
 
 TEST_P(Hostile, page_with_a_flipped_bit) {

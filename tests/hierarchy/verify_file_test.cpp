@@ -56,8 +56,10 @@ TEST_F(Verify, finds_an_error_below_its_dependencies) {
 
 /// A reader that wants a page must want the pages it leans on.
 TEST_F(Verify, finds_a_page_that_covers_less_than_those_that_lean_on_it) {
-  EXPECT_GT(found(after([](Contents& c) { c.directory.pages.back().bound.radius /= 2; }), Check::directory), 0u);
-  EXPECT_GT(found(after([](Contents& c) { c.directory.pages[0].largest_error = 255; }), Check::directory), 0u);
+  EXPECT_GT(found(after([](Contents& c) { c.directory.pages.back().bound.radius /= 2; }), Check::directory),
+            0u);
+  EXPECT_GT(found(after([](Contents& c) { c.directory.pages[0].largest_error = 255; }), Check::directory),
+            0u);
 }
 
 TEST_F(Verify, finds_a_sphere_that_is_too_small) {

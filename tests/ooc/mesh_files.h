@@ -19,8 +19,9 @@ class ScratchFolder {
   ScratchFolder() {
     static int made = 0;
     const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::temp_directory_path() /
-            ("cuesta-" + std::string(info->name()) + "-" + std::to_string(::getpid()) + "-" + std::to_string(++made));
+    path_ =
+        std::filesystem::temp_directory_path() / ("cuesta-" + std::string(info->name()) + "-" +
+                                                  std::to_string(::getpid()) + "-" + std::to_string(++made));
     std::filesystem::create_directories(path_);
   }
   ~ScratchFolder() { std::filesystem::remove_all(path_); }

@@ -137,9 +137,11 @@ TEST_P(Order, budget_for_half_of_what_the_eye_is_in) {
   EXPECT_TRUE(legal());
 }
 
-/// What make_room() gives back is undone in its turn: a plan from before it once left cracks in moves like these.
+/// What make_room() gives back is undone in its turn: a plan from before it once left cracks in moves like
+/// these.
 TEST_P(Order, moving_with_a_binding_triangle_budget) {
-  const std::uint64_t coarsest = cut_->settle(ErrorScale::uniform(cut_->directory().grid), 1e30, {}).triangles;
+  const std::uint64_t coarsest =
+      cut_->settle(ErrorScale::uniform(cut_->directory().grid), 1e30, {}).triangles;
   for (unsigned seed = 0; seed < 30; ++seed) {
     std::mt19937 random(seed);
     View view = random_view(cut_->directory(), random);

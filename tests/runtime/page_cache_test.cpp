@@ -87,7 +87,8 @@ TEST(PageCache, a_page_is_not_evicted_for_the_page_that_leans_on_it) {
   EXPECT_EQ(cache->resident_ids().size(), residents);
 }
 
-/// 40,000 substitutions that each carry 1,000 triangles along: a small page that would take gigabytes if they were more.
+/// 40,000 substitutions that each carry 1,000 triangles along: a small page that would take gigabytes if they
+/// were more.
 TEST(PageCache, a_script_that_explodes_is_refused) {
   constexpr std::uint32_t triangles = 1000, moves = 40000;
   Page page;

@@ -1,5 +1,5 @@
-// consumer [FILE.cuesta]: prints the version it was built with and, given a file, how large its surface is and how
-// many triangles a view of it takes.
+// consumer [FILE.cuesta]: prints the version it was built with and, given a file, how large its surface is
+// and how many triangles a view of it takes.
 
 #include <chrono>
 #include <cstdio>
@@ -9,7 +9,8 @@
 namespace {
 
 double clock_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
 }
 
 int report(const cuesta::Error& error) {
