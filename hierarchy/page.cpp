@@ -9,10 +9,4 @@ std::vector<std::uint8_t> owned_vertices(const Page& page) {
   return owned;
 }
 
-std::array<std::uint32_t, 3> rotated_lowest_first(std::array<std::uint32_t, 3> t) {
-  if (t[1] < t[0] && t[1] <= t[2]) return {t[1], t[2], t[0]};
-  if (t[2] < t[0] && t[2] < t[1]) return {t[2], t[0], t[1]};
-  return t;
-}
-
 }  // namespace cuesta

@@ -41,7 +41,7 @@ struct Page {
   std::uint32_t round = 0;
   bool base = false;  ///< the coarsest page: owns its survivors too
   std::uint32_t vertex_count = 0;
-  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< lowest vertex first
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< smallest_first (triangle_order.h)
   std::vector<std::uint32_t>
       wedge_tails;  ///< ascending: vertices in the wedge group of the vertex before them
   Script script;
@@ -52,8 +52,5 @@ struct Page {
 
 /// 1 for each local vertex that the page owns.
 std::vector<std::uint8_t> owned_vertices(const Page& page);
-
-/// Triangle with its lowest vertex first, winding kept: the one form in which pages name triangles.
-std::array<std::uint32_t, 3> rotated_lowest_first(std::array<std::uint32_t, 3> t);
 
 }  // namespace cuesta

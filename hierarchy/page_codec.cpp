@@ -11,6 +11,7 @@
 
 #include "ooc/byte_stream.h"
 #include "ooc/check.h"
+#include "ooc/triangle_order.h"
 
 // Layout of a page (all little-endian; docs/format.md):
 //   u8 codec version, u8 flags, u32 round, u32 vertices, u32 triangles, u32 owned, u32 fans, u32 strict fans,
@@ -100,7 +101,7 @@ bool unpack_triangles(std::span<const std::byte> in, Page& page) {
   for (auto& t : page.triangles) {
     if (t[0] >= page.vertex_count || t[1] >= page.vertex_count || t[2] >= page.vertex_count) return false;
     if (t[0] == t[1] || t[1] == t[2] || t[0] == t[2]) return false;
-    t = rotated_lowest_first(t);
+    t = smallest_first(t);
   }
   return true;
 }

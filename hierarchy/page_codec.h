@@ -38,7 +38,7 @@ std::string_view name(PageStream stream);
 using PageStreamBytes = std::array<std::uint64_t, page_stream_count>;
 
 /// Encodes a page. @param spent  if given, the stored size of each stream is added to it.
-/// @pre triangles are rotated_lowest_first, fans and children index vertices, owned arrays match the script.
+/// @pre triangles are smallest_first, fans and children index vertices, owned arrays match the script.
 std::vector<std::byte> encode_page(const Page& page, PageStreamBytes* spent = nullptr);
 
 /// No page has more vertices, triangles or children than this.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "hierarchy/substitution_kernel.h"
+#include "ooc/triangle_order.h"
 
 namespace cuesta {
 namespace {
@@ -80,8 +81,8 @@ Cell RoundCells::cell(std::uint32_t c) const {
   for (std::uint32_t t : triangles) {
     const auto& g = surface_.triangles[t];
     cell.triangles.push_back(
-        rotated_lowest_first({local_number(out.vertices, g[0]), local_number(out.vertices, g[1]),
-                              local_number(out.vertices, g[2])}));
+        smallest_first({local_number(out.vertices, g[0]), local_number(out.vertices, g[1]),
+                        local_number(out.vertices, g[2])}));
     if (first_round) continue;
     cell.births.push_back(surface_.births[t]);
     const auto samples = surface_.samples.points.begin();

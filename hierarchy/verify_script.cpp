@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "hierarchy/replay_mesh.h"
+#include "ooc/triangle_order.h"
 
 namespace cuesta {
 namespace {
@@ -228,7 +229,7 @@ class ScriptCheck {
         used[v] = 1;
         v = rank[v];
       }
-      out.triangles.push_back(rotated_lowest_first(c));
+      out.triangles.push_back(smallest_first(c));
       out.births.push_back(births_[t]);
     }
     for (std::uint32_t v = 0; v < page_.vertex_count && !page_.base; ++v)

@@ -1,4 +1,5 @@
 #include "hierarchy/verify_sources.h"
+#include "ooc/triangle_order.h"
 
 #include <algorithm>
 #include <string>
@@ -35,7 +36,7 @@ std::vector<std::uint32_t> local_numbers(PageId id, const PageSource& s,
 }
 
 std::array<std::uint32_t, 3> renamed(std::array<std::uint32_t, 3> t, std::span<const std::uint32_t> local) {
-  return rotated_lowest_first({local[t[0]], local[t[1]], local[t[2]]});
+  return smallest_first({local[t[0]], local[t[1]], local[t[2]]});
 }
 
 }  // namespace

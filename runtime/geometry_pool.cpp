@@ -134,10 +134,4 @@ DrawList GeometryPool::draw_list(const Grid& grid) {
   return {grid, vertices_, texcoords_, indices_, draws_, changed_vertices_, changed_indices_};
 }
 
-std::uint64_t GeometryPool::bytes() const {
-  return vertices_.capacity() * sizeof(DrawVertex) + texcoords_.capacity() * sizeof(TexCoord) +
-         (indices_.capacity() + place_.capacity() + at_place_.capacity() + owner_.capacity()) *
-             sizeof(std::uint32_t);
-}
-
 }  // namespace cuesta

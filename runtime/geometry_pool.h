@@ -70,7 +70,6 @@ class GeometryPool {
 
   /// What to draw; the ranges of what changed since the last call are part of it.
   DrawList draw_list(const Grid& grid);
-  std::uint64_t bytes() const;
 
  private:
   static constexpr std::uint32_t block = 256;  // triangles are handed out in blocks, each with one owner

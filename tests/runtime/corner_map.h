@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hierarchy/page.h"
+#include "ooc/triangle_order.h"
 #include "runtime/cut.h"
 
 namespace cuesta::test {
@@ -19,7 +20,7 @@ inline Slots drawn_triangles(Cut& cut) {
   Slots out;
   for (const Range& r : list.draws)
     for (std::uint32_t i = r.first; i < r.first + r.count; i += 3)
-      out.push_back(rotated_lowest_first({list.indices[i], list.indices[i + 1], list.indices[i + 2]}));
+      out.push_back(smallest_first({list.indices[i], list.indices[i + 1], list.indices[i + 2]}));
   std::sort(out.begin(), out.end());
   return out;
 }
@@ -41,7 +42,7 @@ inline Slots mapped_triangles(Cut& cut, const Slots& full) {
   for (auto t : full) {
     for (std::uint32_t& v : t)
       while (substitute[v] != v) v = substitute[v];
-    if (t[0] != t[1] && t[1] != t[2] && t[0] != t[2]) out.push_back(rotated_lowest_first(t));
+    if (t[0] != t[1] && t[1] != t[2] && t[0] != t[2]) out.push_back(smallest_first(t));
   }
   std::sort(out.begin(), out.end());
   return out;
