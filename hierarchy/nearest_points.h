@@ -18,7 +18,8 @@ class NearestPoints {
   NearestPoints(NearestPoints&&) noexcept;
   NearestPoints& operator=(NearestPoints&&) noexcept;
 
-  /// The nearest id that `accept`s, ties by id; 0xFFFFFFFF if there is none.
+  /// The nearest id that `accept`s, the lowest id among equally near ones found together; 0xFFFFFFFF if there
+  /// is none.
   std::uint32_t nearest(Vec3f query, const std::function<bool(std::uint32_t)>& accept) const;
   std::size_t size() const;
 

@@ -38,7 +38,6 @@ SubstitutionKernel::SubstitutionKernel(CellMesh cell) : births_(std::move(cell.b
   if (position_.size() != vertices) {
     wedges_ = corners_;
     for (auto& t : corners_) t = {point_of[t[0]], point_of[t[1]], point_of[t[2]]};
-    point_of_ = std::move(point_of);
   }
   live_triangles_ = static_cast<std::uint32_t>(corners_.size());
   alive_.assign(corners_.size(), 1);
@@ -77,13 +76,14 @@ bool SubstitutionKernel::is_manifold() {
   for (PointId p = 0; p < point_count(); ++p) {
     if (!can_move(p)) continue;
     const auto ring = neighbours(p);
-    const auto ends =
-        std::count_if(ring.begin(), ring.end(), [&](PointId q) { return edge_triangles(p, q) == 1; });
-    const bool crowded =
-        std::any_of(ring.begin(), ring.end(), [&](PointId q) { return edge_triangles(p, q) > 2; });
+    std::size_t ends = 0;
+    for (PointId q : ring) {
+      const std::uint32_t triangles = edge_triangles(p, q);
+      if (triangles > 2) return false;
+      ends += triangles == 1;
+    }
     // A fan has as many edges as triangles and no end; a half-fan one edge more and two ends.
-    if (crowded || ring.size() - star(p).size() != static_cast<std::size_t>(ends) / 2 || ends > 2)
-      return false;
+    if (ends > 2 || ring.size() != star(p).size() + ends / 2) return false;
   }
   return true;
 }

@@ -120,7 +120,6 @@ class SubstitutionKernel {
   std::vector<std::uint32_t> star_begin_, star_size_;
   std::vector<TriangleId> arena_;
   std::vector<std::uint32_t> first_vertex_;           // per point
-  std::vector<PointId> point_of_;                     // per vertex; empty without wedges
   std::vector<std::array<std::uint32_t, 3>> wedges_;  // per triangle, vertices; empty without wedges
 
   std::vector<std::array<PointId, 3>> corners_;  // per triangle

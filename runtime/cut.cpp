@@ -125,28 +125,32 @@ void Cut::plan(const ErrorScale& scale, Band band) {
       const auto children = page.children(fan);
       const double s = scale.scale(page.sphere(f));
       const std::uint16_t least = count_up_to(children, s, band.apply_up_to);
+      const std::uint16_t most =
+          band.apply_up_to < band.undo_above ? count_up_to(children, s, band.undo_above) : least;
       if (fan.applied < least) {
         coarsen_.push_back({sse_of(children[least - 1u].error, s), id, f, least});
       } else if (fan.applied > least) {
         refine_.push_back({sse_of(children[fan.applied - 1u].error, s), id, f, least});
-        const std::uint16_t most = count_up_to(children, s, band.undo_above);
         for (std::uint16_t i = most; i < fan.applied; ++i) demanded_ += children[i].removed;
       }
-      const std::uint16_t most =
-          band.apply_up_to < band.undo_above ? count_up_to(children, s, band.undo_above) : least;
       if (std::max(fan.applied, least) < most)
         band_.push_back({sse_of(children[most - 1u].error, s), id, f, most});
     }
   }
 }
 
+/// The order in which substitutions may be applied: ties go finer pages and earlier fans first.
+void Cut::sort_rising(std::vector<Operation>& operations) {
+  std::sort(operations.begin(), operations.end(), [](const Operation& a, const Operation& b) {
+    return std::tie(a.sse, a.page, a.fan) < std::tie(b.sse, b.page, b.fan);
+  });
+}
+
 /// Gives back what fills the band when the demanded part needs the room. @return true if it did: the plan is
 /// stale then.
 bool Cut::make_room(std::uint64_t triangle_budget) {
   if (band_.empty() || cache_->pool().active_triangles() + demanded_ <= triangle_budget) return false;
-  std::sort(band_.begin(), band_.end(), [](const Operation& a, const Operation& b) {
-    return std::tie(a.sse, a.page, a.fan) < std::tie(b.sse, b.page, b.fan);
-  });
+  sort_rising(band_);
   for (const Operation& op : band_) {
     if (cache_->pool().active_triangles() + demanded_ <= triangle_budget) return true;
     ResidentPage& page = *cache_->resident(op.page);
@@ -156,9 +160,7 @@ bool Cut::make_room(std::uint64_t triangle_budget) {
 }
 
 bool Cut::coarsen(const Budgets& budgets, double start_ms, AdaptReport& report) {
-  std::sort(coarsen_.begin(), coarsen_.end(), [](const Operation& a, const Operation& b) {
-    return std::tie(a.sse, a.page, a.fan) < std::tie(b.sse, b.page, b.fan);
-  });
+  sort_rising(coarsen_);
   std::uint32_t done = 0;
   for (const Operation& op : coarsen_) {
     if (++done % operations_per_look == 0 && clock_() - start_ms > budgets.adapt_ms) return false;

@@ -92,6 +92,7 @@ class Cut {
   void load_pages(const ErrorScale& scale, double tau, const Budgets& budgets, AdaptReport& report);
   Band affordable_band(const ErrorScale& scale, double tau, std::uint64_t triangle_budget) const;
   void plan(const ErrorScale& scale, Band band);
+  static void sort_rising(std::vector<Operation>& operations);
   bool make_room(std::uint64_t triangle_budget);
   bool coarsen(const Budgets& budgets, double start_ms, AdaptReport& report);
   bool refine(const Budgets& budgets, double start_ms, AdaptReport& report);
