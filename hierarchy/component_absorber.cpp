@@ -6,38 +6,22 @@
 namespace cuesta {
 
 ComponentAbsorber::ComponentAbsorber(SubstitutionKernel& kernel) : kernel_(kernel) {
-  component_.assign(kernel.point_count(), none);
-  std::vector<PointId> stack;
-  for (PointId p = 0; p < kernel.point_count(); ++p) {
-    if (component_[p] != none || kernel.star(p).empty()) continue;
-    const auto id = static_cast<std::uint32_t>(locked_.size());
-    locked_.push_back(0);
-    component_[p] = id;
-    stack.push_back(p);
-    while (!stack.empty()) {
-      const PointId q = stack.back();
-      stack.pop_back();
-      if (!kernel.can_move(q)) locked_[id] = 1;
-      for (PointId r : kernel.neighbours(q))
-        if (component_[r] == none) {
-          component_[r] = id;
-          stack.push_back(r);
-        }
-    }
-  }
+  locked_.assign(kernel.component_count(), 0);
+  if (locked_.size() < 2) return;
+  component_.assign(kernel.components().begin(), kernel.components().end());
+  for (PointId p = 0; p < kernel.point_count(); ++p)
+    if (!kernel.can_move(p) || kernel.star(p).empty()) locked_[component_[p]] = 1;
   known_.assign(locked_.size(), 0);
 }
 
 /// Counting sort of the live points by component.
 void ComponentAbsorber::count(std::span<const PointId> live) {
   first_.assign(locked_.size() + 1, 0);
-  for (PointId p : live)
-    if (component_[p] != none) ++first_[component_[p] + 1];
+  for (PointId p : live) ++first_[component_[p] + 1];
   for (std::size_t c = 0; c < locked_.size(); ++c) first_[c + 1] += first_[c];
   members_.resize(first_.back());
   std::vector<std::uint32_t> fill(first_.begin(), first_.end() - 1);
-  for (PointId p : live)
-    if (component_[p] != none) members_[fill[component_[p]]++] = p;
+  for (PointId p : live) members_[fill[component_[p]]++] = p;
 }
 
 std::span<const PointId> ComponentAbsorber::members(const Candidate& candidate) const {

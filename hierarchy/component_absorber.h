@@ -15,8 +15,10 @@ namespace cuesta {
 
 class ComponentAbsorber {
  public:
-  /// @param kernel  outlives the absorber; its components are found now.
+  /// @param kernel  outlives the absorber; its components are those it had at the start.
   explicit ComponentAbsorber(SubstitutionKernel& kernel);
+  /// False if there is one component only, and so never a candidate.
+  bool has_work() const { return locked_.size() > 1; }
 
   /// A component and the point that would take it.
   struct Candidate {
@@ -38,7 +40,7 @@ class ComponentAbsorber {
   PointId nearest_target(std::uint32_t component, std::span<const PointId> live);
 
   SubstitutionKernel& kernel_;
-  std::vector<std::uint32_t> component_;        // per point
+  std::vector<std::uint32_t> component_;        // per point; empty without work
   std::vector<std::uint8_t> locked_;            // per component
   std::vector<std::uint32_t> first_, members_;  // live points by component
   std::vector<float> known_;  // per component: a deviation measured before, a lower guess of the next

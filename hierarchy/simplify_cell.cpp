@@ -11,6 +11,7 @@ namespace cuesta {
 namespace {
 
 constexpr float never = std::numeric_limits<float>::infinity();
+constexpr PointId unknown = none - 1;
 
 /// Components of this many points are taken whole as soon as the error allows it, and larger ones when
 /// nothing else is left.
@@ -34,6 +35,7 @@ class FanMerger {
         options_(options),
         cost_(kernel_.point_count(), never),
         retry_(kernel_.point_count(), 0.0f),
+        cheapest_(kernel_.point_count(), unknown),
         taken_(kernel_.point_count(), 0u),
         dirty_(kernel_.point_count(), 1) {
     centres_.resize(kernel_.point_count());
@@ -72,7 +74,7 @@ class FanMerger {
     for (PointId v : centres_) {
       if (kernel_.removed(v)) continue;
       if (dirty_[v]) {
-        cost_[v] = centre_cost(v);
+        if (cheapest_[v] == unknown) find_cheapest(v);
         retry_[v] = 0;
         dirty_[v] = 0;
       }
@@ -81,12 +83,45 @@ class FanMerger {
     centres_.resize(kept);
   }
 
-  /// Cost of the cheapest neighbour that could move here.
-  float centre_cost(PointId v) {
-    float cheapest = never;
-    for (PointId u : kernel_.neighbours(v))
-      if (kernel_.can_move(u) && kernel_.may_join(u, v)) cheapest = std::min(cheapest, kernel_.cost(u, v));
-    return cheapest;
+  /// The cheapest neighbour that could move here, and its cost.
+  void find_cheapest(PointId v) {
+    cost_[v] = never;
+    cheapest_[v] = none;
+    for (PointId u : kernel_.neighbours(v)) offer(u, v);
+  }
+
+  void offer(PointId u, PointId v) {
+    if (!kernel_.can_move(u) || !kernel_.may_join(u, v)) return;
+    const float c = kernel_.cost(u, v);
+    if (!(c < cost_[v])) return;
+    cost_[v] = c;
+    cheapest_[v] = u;
+  }
+
+  /// The fan around v is complete: it has a new neighbourhood, and its neighbours have lost those it took and
+  /// see another v. Nobody else's cost has changed.
+  void note_neighbourhood(PointId v) {
+    for (PointId q : kernel_.neighbours(v)) {
+      taken_[q] = pass_stamp_;
+      dirty_[q] = 1;
+      const PointId u = cheapest_[q];
+      if (u == unknown) continue;
+      if (loose_ || u == v || (u != none && kernel_.removed(u)))
+        cheapest_[q] = unknown;
+      else
+        offer(v, q);
+    }
+    taken_[v] = pass_stamp_;
+    dirty_[v] = 1;
+    cheapest_[v] = unknown;
+  }
+
+  /// What may join v and w, which have left the border, has changed.
+  void forget_cheapest_around(PointId v, PointId w) {
+    for (PointId p : {v, w}) {
+      cheapest_[p] = unknown;
+      for (PointId q : kernel_.neighbours(p)) cheapest_[q] = unknown;
+    }
   }
 
   float cost_quantile() {
@@ -119,16 +154,10 @@ class FanMerger {
       if (!free_neighbourhood(v)) continue;
       const std::size_t merged = merge_fan(v, threshold);
       done += merged;
-      if (merged == 0) {
+      if (merged == 0)
         retry_[v] = threshold * 1.5f;
-        continue;
-      }
-      for (PointId q : kernel_.neighbours(v)) {
-        taken_[q] = pass_stamp_;
-        dirty_[q] = 1;
-      }
-      taken_[v] = pass_stamp_;
-      dirty_[v] = 1;
+      else
+        note_neighbourhood(v);
     }
     // The fans of a pass do not touch each other: their order is free, and this one packs best. (With loose
     // topology they can, through what they guard.)
@@ -183,6 +212,7 @@ class FanMerger {
       const float deviation = kernel_.measure(u, v);
       error = std::max(error, encode_error_up(std::max(deviation, kernel_.birth_error())));
       kernel_.apply(u, v, error, result_.script.children, balls_, changed_);
+      if (kernel_.closed_hole_corner() != none) forget_cheapest_around(v, kernel_.closed_hole_corner());
       ++merged;
       if (kernel_.live_triangles() <= options_.target_triangles) break;
     }
@@ -197,10 +227,12 @@ class FanMerger {
     loose_ = true;
     if (manifold_) result_.script.strict_fans = static_cast<std::uint32_t>(result_.script.fans.size());
     std::fill(dirty_.begin(), dirty_.end(), std::uint8_t{1});
+    std::fill(cheapest_.begin(), cheapest_.end(), unknown);
   }
 
   /// Takes components within `reach` whole; each is a fan of its own. Returns how many.
   std::size_t absorb_components(std::uint32_t most_points, float reach) {
+    if (!absorber_.has_work()) return 0;
     std::erase_if(centres_, [this](PointId p) { return kernel_.removed(p); });
     std::size_t taken = 0;
     for (const auto& candidate : absorber_.candidates(centres_, most_points, reach)) {
@@ -235,6 +267,7 @@ class FanMerger {
   bool loose_ = false;
   bool manifold_ = true;  // false where a finer page has let topology go already
   std::vector<float> cost_, retry_, scratch_;
+  std::vector<PointId> cheapest_;  // per centre: whose cost cost_ is, none, or unknown: cost_ is of no use
   std::vector<std::uint32_t> taken_;
   std::uint32_t pass_stamp_ = 0;
   std::vector<std::uint8_t> dirty_;

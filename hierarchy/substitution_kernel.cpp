@@ -43,8 +43,7 @@ SubstitutionKernel::SubstitutionKernel(CellMesh cell) : births_(std::move(cell.b
   alive_.assign(corners_.size(), 1);
   stamp_.assign(position_.size(), 0);
   build_stars();
-  find_borders();
-  count_loops();
+  walk_edges();
   build_quadrics();
   adopt_samples(cell.samples);
 }
@@ -66,69 +65,90 @@ void SubstitutionKernel::build_stars() {
     for (PointId p : corners_[t]) arena_[fill[p]++] = t;
 }
 
-/// A point is on a border if one of its edges has one triangle only. (Locked points look so too, and do not
-/// move.)
-void SubstitutionKernel::find_borders() {
-  for (PointId p = 0; p < point_count(); ++p) update_border(p);
-}
-
-bool SubstitutionKernel::is_manifold() {
-  for (PointId p = 0; p < point_count(); ++p) {
-    if (!can_move(p)) continue;
-    const auto ring = neighbours(p);
-    std::size_t ends = 0;
-    for (PointId q : ring) {
-      const std::uint32_t triangles = edge_triangles(p, q);
-      if (triangles > 2) return false;
-      ends += triangles == 1;
-    }
-    // A fan has as many edges as triangles and no end; a half-fan one edge more and two ends.
-    if (ends > 2 || ring.size() != star(p).size() + ends / 2) return false;
-  }
-  return true;
-}
-
-/// Components less the Euler characteristic: 0 for discs, 2 for a torus, one more for each further hole.
-void SubstitutionKernel::count_loops() {
+/// Borders, orientation, manifoldness, components and loops in one walk over the edges around each point.
+void SubstitutionKernel::walk_edges() {
   std::uint64_t rings = 0;  // each edge twice
-  std::int64_t components = 0;
-  std::vector<std::uint8_t> seen(point_count(), 0);
-  std::vector<PointId> stack;
-  for (PointId p = 0; p < point_count(); ++p) {
-    components += !seen[p];
-    if (!seen[p]) stack.push_back(p);
-    seen[p] = 1;
-    while (!stack.empty()) {
-      const PointId q = stack.back();
-      stack.pop_back();
-      const auto ring = neighbours(q);
-      rings += ring.size();
-      for (PointId r : ring)
-        if (!std::exchange(seen[r], std::uint8_t{1})) stack.push_back(r);
-    }
+  for (PointId p = 0; p < point_count(); ++p) walk_edges_around(p, rings);
+  find_components(rings);
+}
+
+/// A point is on a border if it has more edges than triangles. (Locked points look so too, and do not move.)
+void SubstitutionKernel::walk_edges_around(PointId p, std::uint64_t& rings) {
+  const std::uint32_t out = next_stamp();
+  bool oriented = true;
+  for (TriangleId t : star(p)) oriented &= std::exchange(stamp_[next_corner(t, p)], out) != out;
+  const std::uint32_t in = next_stamp();
+  std::size_t size = star(p).size();
+  for (TriangleId t : star(p)) {
+    const std::uint32_t before = std::exchange(stamp_[previous_corner(t, p)], in);
+    oriented &= before != in;
+    size += before != out;
   }
+  if (!oriented) {
+    oriented_ = false;
+    size = walked_neighbours(p).size();
+  }
+  rings += size;
+  if (size != star(p).size()) flags_[p] |= flag_border;
+  if (manifold_ && can_move(p)) manifold_ = oriented ? size <= star(p).size() + 1 : is_manifold_at(p);
+}
+
+/// The same without trust in orientation.
+bool SubstitutionKernel::is_manifold_at(PointId p) {
+  const auto ring = walked_neighbours(p);
+  std::size_t ends = 0;
+  for (PointId q : ring) {
+    const std::uint32_t triangles = edge_triangles(p, q);
+    if (triangles > 2) return false;
+    ends += triangles == 1;
+  }
+  // A fan has as many edges as triangles and no end; a half-fan one edge more and two ends.
+  return ends <= 2 && ring.size() == star(p).size() + ends / 2;
+}
+
+/// Components by union-find, roots their lowest points; and loops: components less the Euler characteristic,
+/// 0 for discs, 2 for a torus, one more for each further hole.
+void SubstitutionKernel::find_components(std::uint64_t rings) {
+  component_.resize(point_count());
+  for (PointId p = 0; p < point_count(); ++p) component_[p] = p;
+  const auto root = [this](PointId p) {
+    while (component_[p] != p) p = component_[p] = component_[component_[p]];
+    return p;
+  };
+  for (const auto& t : corners_)
+    for (int i = 1; i < 3; ++i) {
+      const PointId a = root(t[0]), b = root(t[static_cast<std::size_t>(i)]);
+      component_[std::max(a, b)] = std::min(a, b);
+    }
+  component_count_ = 0;
+  for (PointId p = 0; p < point_count(); ++p)  // parents are lower, so numbered already
+    component_[p] = component_[p] == p ? component_count_++ : component_[component_[p]];
   const std::int64_t euler = static_cast<std::int64_t>(point_count()) - static_cast<std::int64_t>(rings / 2) +
                              static_cast<std::int64_t>(corners_.size());
-  loops_ = static_cast<std::uint32_t>(std::max<std::int64_t>(0, components - euler));
+  loops_ = static_cast<std::uint32_t>(std::max<std::int64_t>(0, std::int64_t{component_count_} - euler));
 }
 
 void SubstitutionKernel::build_quadrics() {
-  quadric_.assign(position_.size(), {});
+  movers_.resize(position_.size());
   for (const auto& t : corners_) {
     const Vec3f a = position_[t[0]], b = position_[t[1]], c = position_[t[2]];
     const Vec3f n = cross(b - a, c - a);
     const float twice_area = length(n);
     if (!(twice_area > 0)) continue;
     const Vec3f unit = n / twice_area;
-    for (int i = 0; i < 3; ++i) quadric_[t[i]].add_plane(unit, twice_area);
+    for (int i = 0; i < 3; ++i) movers_[t[i]].quadric.add_plane(unit, twice_area);
     for (int i = 0; i < 3; ++i) {
       const PointId p = t[i], q = t[(i + 1) % 3];
       if (!border(p) || !border(q)) continue;
       if (edge_triangles(p, q) != 1) continue;
       const Vec3f e = position_[q] - position_[p];
       const Vec3f side = normalized(cross(e, unit));
-      for (PointId end : {p, q}) quadric_[end].add_plane(side, border_weight * dot(e, e));
+      for (PointId end : {p, q}) movers_[end].quadric.add_plane(side, border_weight * dot(e, e));
     }
+  }
+  for (PointId p = 0; p < point_count(); ++p) {
+    movers_[p].position = position_[p];
+    movers_[p].root_weight = std::sqrt(movers_[p].quadric.weight);
   }
 }
 
@@ -151,22 +171,35 @@ std::uint32_t SubstitutionKernel::next_stamp() {
   return current_stamp_;
 }
 
+/// Around an oriented point off the border each neighbour is the next corner of one triangle; a border adds
+/// those that are only the corner before. Substitutions that keep the link condition keep that so.
 std::span<const PointId> SubstitutionKernel::neighbours(PointId p) {
-  const std::uint32_t seen = next_stamp();
-  stamp_[p] = seen;
-  ring_.clear();
-  for (TriangleId t : star(p))
-    for (PointId q : corners_[t])
-      if (stamp_[q] != seen) {
-        stamp_[q] = seen;
-        ring_.push_back(q);
-      }
-  return ring_;
+  if (!oriented_ || loose_topology_) return walked_neighbours(p);
+  const auto around = star(p);
+  if (ring_.size() < 2 * around.size()) ring_.resize(2 * around.size());
+  PointId* end = ring_.data();
+  for (TriangleId t : around) *end++ = next_corner(t, p);
+  if (border(p)) {
+    const std::uint32_t seen = next_stamp();
+    for (std::size_t i = 0; i < around.size(); ++i) stamp_[ring_[i]] = seen;
+    for (TriangleId t : around) {
+      const PointId q = previous_corner(t, p);
+      if (stamp_[q] != seen) *end++ = q;
+      stamp_[q] = seen;
+    }
+  }
+  return {ring_.data(), end};
 }
 
-float SubstitutionKernel::cost(PointId u, PointId v) const {
-  const Quadric& q = quadric_[u];
-  return q.at(position_[v] - position_[u]) / std::sqrt(q.weight);
+std::span<const PointId> SubstitutionKernel::walked_neighbours(PointId p) {
+  const std::uint32_t seen = next_stamp();
+  stamp_[p] = seen;
+  if (ring_.size() < 2 * star(p).size()) ring_.resize(2 * star(p).size());
+  PointId* end = ring_.data();
+  for (TriangleId t : star(p))
+    for (PointId q : corners_[t])
+      if (std::exchange(stamp_[q], seen) != seen) *end++ = q;
+  return {ring_.data(), end};
 }
 
 /// Link(u) ∩ Link(v) = Link(uv): the points joined to both are the third corners of the triangles at the
@@ -261,7 +294,7 @@ std::uint32_t SubstitutionKernel::edge_triangles(PointId p, PointId q) const {
 
 void SubstitutionKernel::update_border(PointId p) {
   flags_[p] &= static_cast<std::uint8_t>(~flag_border);
-  if (neighbours(p).size() != star(p).size()) flags_[p] |= flag_border;
+  if (walked_neighbours(p).size() != star(p).size()) flags_[p] |= flag_border;
 }
 
 /// u is the tip of an ear, its only triangle (u, v, w): the triangle across (v, w) must be there to take its
@@ -477,7 +510,8 @@ void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vect
   star_size_[v] = static_cast<std::uint32_t>(arena_.size()) - star_begin_[v];
   star_size_[u] = 0;
   flags_[u] |= flag_removed;
-  quadric_[v].add(quadric_[u], position_[u] - position_[v]);
+  movers_[v].quadric.add(movers_[u].quadric, position_[u] - position_[v]);
+  movers_[v].root_weight = std::sqrt(movers_[v].quadric.weight);
   redistribute_samples();
   if (closed_hole_ > 0) {
     update_border(v);

@@ -31,21 +31,27 @@ class SubstitutionKernel {
   }
   const std::array<PointId, 3>& corners(TriangleId t) const { return corners_[t]; }
 
-  /// Distinct neighbours of p in star order, valid until the next call.
+  /// Distinct neighbours of p, valid until the next call.
   std::span<const PointId> neighbours(PointId p);
 
   /// Quadric cost of u → v: area-weighted squared distance to the planes u stands for, over the root of the
   /// area. (Measured on the bunny at 1 % of the triangles: undivided +2 % mean error; divided by the area,
   /// the mean squared distance, equal here and +3 % at 0.5 %.) Unit: grid units to the third power.
-  float cost(PointId u, PointId v) const;
+  float cost(PointId u, PointId v) const {
+    const Mover& m = movers_[u];
+    return m.quadric.at(position_[v] - m.position) / m.root_weight;
+  }
   /// True if u → v needs no look at geometry to be refused: u is on a border and v is not, say.
   bool may_join(PointId u, PointId v) const { return loose_topology_ || !(border(u) && !border(v)); }
 
-  /// True if the triangles around every point that can move form one fan or half-fan.
-  bool is_manifold();
+  /// True if the triangles around every point that can move form one fan or half-fan; at the start.
+  bool is_manifold() const { return manifold_; }
   /// Loops that keep a surface from becoming small: handles, holes, and borders beyond one a component; at
   /// the start.
   std::uint32_t loops() const { return loops_; }
+  /// Per point, the component it is in, numbered by their lowest points; at the start.
+  std::span<const std::uint32_t> components() const { return component_; }
+  std::uint32_t component_count() const { return component_count_; }
   /// From now on legal() lets go of the link condition and of borders: handles close, sheets touch along
   /// edges. Errors stay measured and saturated. For surfaces that are mostly loops, as cracked photogrammetry
   /// becomes.
@@ -62,6 +68,9 @@ class SubstitutionKernel {
   /// it depends on and covers to `balls`, and the triangles it changed to `changed`.
   void apply(PointId u, PointId v, ErrorCode8 error, std::vector<Child>& children, std::vector<Sphere>& balls,
              std::vector<TriangleId>& changed);
+  /// The third corner of the border loop that the substitution applied last closed, or none: it and v may
+  /// have left the border, so what may join them has changed.
+  PointId closed_hole_corner() const { return closed_hole_ > 0 ? hole_corner_ : none; }
   /// The largest distance of the samples of a whole component, `members` being all its points, to the
   /// triangles around v, a point of another component. @pre no member is locked, v has triangles.
   float measure_absorption(std::span<const PointId> members, PointId v);
@@ -85,18 +94,36 @@ class SubstitutionKernel {
     Vec3f position;
     std::uint32_t next;
   };
+  /// What the cost of moving a point needs of it: one cache line.
+  struct alignas(64) Mover {
+    Quadric quadric;
+    float root_weight = 0;
+    Vec3f position;
+  };
 
   bool border(PointId p) const { return (flags_[p] & flag_border) != 0; }
   bool has_corner(TriangleId t, PointId p) const {
     const auto& c = corners_[t];
     return c[0] == p || c[1] == p || c[2] == p;
   }
+  /// The corners of t after and before p, counter-clockwise.
+  PointId next_corner(TriangleId t, PointId p) const {
+    const auto& c = corners_[t];
+    return c[0] == p ? c[1] : c[1] == p ? c[2] : c[0];
+  }
+  PointId previous_corner(TriangleId t, PointId p) const {
+    const auto& c = corners_[t];
+    return c[0] == p ? c[2] : c[1] == p ? c[0] : c[1];
+  }
   void build_stars();
-  void find_borders();
+  void walk_edges();
+  void walk_edges_around(PointId p, std::uint64_t& rings);
+  bool is_manifold_at(PointId p);
+  void find_components(std::uint64_t rings);
+  std::span<const PointId> walked_neighbours(PointId p);
   void build_quadrics();
   void adopt_samples(const TriangleSamples& samples);
   bool link_condition(PointId u, PointId v);
-  void count_loops();
   bool loosely_legal(PointId u, PointId v);
   bool doubles_triangle(PointId u, PointId v) const;
   bool closes_hole(PointId u, PointId v);
@@ -116,7 +143,7 @@ class SubstitutionKernel {
   Vec3i origin_;                 // grid position of the local frame
   std::vector<Vec3f> position_;  // per point, local, exact integers
   std::vector<std::uint8_t> flags_;
-  std::vector<Quadric> quadric_;
+  std::vector<Mover> movers_;
   std::vector<std::uint32_t> star_begin_, star_size_;
   std::vector<TriangleId> arena_;
   std::vector<std::uint32_t> first_vertex_;           // per point
@@ -139,7 +166,11 @@ class SubstitutionKernel {
   std::vector<TriangleId> guarded_;  // reborn too: nothing at the corners of what goes may change before it
   std::vector<PointId> leaving_;
   bool loose_topology_ = false;
+  bool oriented_ = true;  // no two triangles run along an edge in one direction
+  bool manifold_ = true;
   std::uint32_t loops_ = 0;
+  std::vector<std::uint32_t> component_;
+  std::uint32_t component_count_ = 0;
   float closed_hole_ = 0;  // > 0: the substitution closes a hole with edges up to this length
   PointId hole_corner_ = none;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> wedge_map_;
