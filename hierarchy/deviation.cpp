@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace cuesta {
 namespace {
@@ -15,34 +16,66 @@ namespace {
 #define CUESTA_VECTOR_CLONES
 #endif
 
-/// The triangle's constants, computed once for all points. Directions come from f64: the normal of a needle
-/// would be lost to cancellation in f32.
+/// Points per step; arrays of points are as long as a multiple of it.
+constexpr std::size_t point_block = 8;
+/// Triangles whose constants are computed together: the lanes of f64 in AVX2.
+constexpr std::size_t triangle_block = 4;
+
+/// Constants of up to four triangles. Directions come from f64: the normal of a needle would be lost to
+/// cancellation in f32.
 struct Planes {
-  Vec3f a, b, c;
-  Vec3f ab, bc, ca;
-  Vec3f n;                    // unit, zero for a degenerate triangle
-  Vec3f in_ab, in_bc, in_ca;  // unit, in the plane, positive outside
-  float inv_ab, inv_bc, inv_ca;
-  bool degenerate;
+  using Lanes = float[triangle_block];
+  struct Vec {
+    Lanes x, y, z;
+    Vec3f operator[](std::size_t k) const { return {x[k], y[k], z[k]}; }
+  };
+  Vec a, b, c;
+  Vec ab, bc, ca;
+  Vec n;                    // unit, zero for a degenerate triangle
+  Vec in_ab, in_bc, in_ca;  // unit, in the plane, positive outside
+  Lanes inv_ab, inv_bc, inv_ca;
+  Lanes flat;  // squared length of n: 0 for a degenerate triangle
+  Lanes longest;
 };
 
-float inverse(float squared) {
+inline float inverse(float squared) {
   return squared > 0 ? 1.0f / squared : 0.0f;
 }
 
-Planes planes_of(Vec3f a, Vec3f b, Vec3f c) {
-  const Vec3d ab = vec_cast<double>(b) - vec_cast<double>(a);
-  const Vec3d bc = vec_cast<double>(c) - vec_cast<double>(b);
-  const Vec3d ca = vec_cast<double>(a) - vec_cast<double>(c);
-  const Vec3d n = normalized(cross(ab, -ca));
-  const auto outwards = [&n](Vec3d e) { return vec_cast<float>(normalized(cross(e, n))); };
-  Planes p{a, b, c, b - a, c - b, a - c, vec_cast<float>(n), outwards(ab), outwards(bc), outwards(ca),
-           0, 0, 0, false};
-  p.inv_ab = inverse(dot(p.ab, p.ab));
-  p.inv_bc = inverse(dot(p.bc, p.bc));
-  p.inv_ca = inverse(dot(p.ca, p.ca));
-  p.degenerate = !(dot(n, n) > 0);
-  return p;
+/// Edge e of lane k: its direction in f32 and its outwards direction.
+inline void set_edge(Planes::Vec& edge, Planes::Vec& outwards, float* inv, std::size_t k, Vec3f ef, Vec3d e,
+                     Vec3d n) {
+  edge.x[k] = ef.x;
+  edge.y[k] = ef.y;
+  edge.z[k] = ef.z;
+  const Vec3f o = vec_cast<float>(normalized(cross(e, n)));
+  outwards.x[k] = o.x;
+  outwards.y[k] = o.y;
+  outwards.z[k] = o.z;
+  inv[k] = inverse(dot(ef, ef));
+}
+
+/// Fills all but the corners. One loop over lanes, which becomes vector instructions.
+CUESTA_VECTOR_CLONES
+void complete_planes(Planes& p) {
+  for (std::size_t k = 0; k < triangle_block; ++k) {
+    const Vec3f a{p.a.x[k], p.a.y[k], p.a.z[k]}, b{p.b.x[k], p.b.y[k], p.b.z[k]},
+        c{p.c.x[k], p.c.y[k], p.c.z[k]};
+    const Vec3d ab = vec_cast<double>(b) - vec_cast<double>(a);
+    const Vec3d bc = vec_cast<double>(c) - vec_cast<double>(b);
+    const Vec3d ca = vec_cast<double>(a) - vec_cast<double>(c);
+    const Vec3d n = normalized(cross(ab, -ca));
+    p.n.x[k] = static_cast<float>(n.x);
+    p.n.y[k] = static_cast<float>(n.y);
+    p.n.z[k] = static_cast<float>(n.z);
+    p.flat[k] = static_cast<float>(dot(n, n));
+    set_edge(p.ab, p.in_ab, p.inv_ab, k, b - a, ab, n);
+    set_edge(p.bc, p.in_bc, p.inv_bc, k, c - b, bc, n);
+    set_edge(p.ca, p.in_ca, p.inv_ca, k, a - c, ca, n);
+    const float lab = dot(b - a, b - a), lbc = dot(c - b, c - b), lca = dot(a - c, a - c);
+    const float l = lab > lbc ? lab : lbc;
+    p.longest[k] = l > lca ? l : lca;
+  }
 }
 
 inline float clamp01(float t) {
@@ -58,25 +91,34 @@ inline float to_segment(float px, float py, float pz, Vec3f e, float inv) {
   return dx * dx + dy * dy + dz * dz;
 }
 
+/// @param n  a multiple of point_block
 CUESTA_VECTOR_CLONES
 void measure_all(std::size_t n, const float* __restrict x, const float* __restrict y,
                  const float* __restrict z, float* __restrict best, std::int32_t* __restrict nearest,
-                 const Planes p, std::int32_t index) {
+                 const Planes& planes, std::size_t k, std::int32_t index) {
+  const Vec3f a = planes.a[k], b = planes.b[k], c = planes.c[k];
+  const Vec3f ab = planes.ab[k], bc = planes.bc[k], ca = planes.ca[k];
+  const Vec3f in_ab = planes.in_ab[k], in_bc = planes.in_bc[k], in_ca = planes.in_ca[k];
+  const Vec3f normal = planes.n[k];
+  const float inv_ab = planes.inv_ab[k], inv_bc = planes.inv_bc[k], inv_ca = planes.inv_ca[k];
+  // A degenerate triangle has no inside.
+  const float inside = planes.flat[k] > 0 ? 0.0f : -1.0f;
+  n = n / point_block * point_block;
   for (std::size_t i = 0; i < n; ++i) {
-    const float ax = x[i] - p.a.x, ay = y[i] - p.a.y, az = z[i] - p.a.z;
-    const float bx = x[i] - p.b.x, by = y[i] - p.b.y, bz = z[i] - p.b.z;
-    const float cx = x[i] - p.c.x, cy = y[i] - p.c.y, cz = z[i] - p.c.z;
-    const float oab = ax * p.in_ab.x + ay * p.in_ab.y + az * p.in_ab.z;
-    const float obc = bx * p.in_bc.x + by * p.in_bc.y + bz * p.in_bc.z;
-    const float oca = cx * p.in_ca.x + cy * p.in_ca.y + cz * p.in_ca.z;
+    const float ax = x[i] - a.x, ay = y[i] - a.y, az = z[i] - a.z;
+    const float bx = x[i] - b.x, by = y[i] - b.y, bz = z[i] - b.z;
+    const float cx = x[i] - c.x, cy = y[i] - c.y, cz = z[i] - c.z;
+    const float oab = ax * in_ab.x + ay * in_ab.y + az * in_ab.z;
+    const float obc = bx * in_bc.x + by * in_bc.y + bz * in_bc.z;
+    const float oca = cx * in_ca.x + cy * in_ca.y + cz * in_ca.z;
     const float outside = std::max(std::max(oab, obc), oca);
-    const float h = ax * p.n.x + ay * p.n.y + az * p.n.z;
+    const float h = ax * normal.x + ay * normal.y + az * normal.z;
     const float plane = h * h;
-    const float dab = to_segment(ax, ay, az, p.ab, p.inv_ab);
-    const float dbc = to_segment(bx, by, bz, p.bc, p.inv_bc);
-    const float dca = to_segment(cx, cy, cz, p.ca, p.inv_ca);
+    const float dab = to_segment(ax, ay, az, ab, inv_ab);
+    const float dbc = to_segment(bx, by, bz, bc, inv_bc);
+    const float dca = to_segment(cx, cy, cz, ca, inv_ca);
     const float edge = std::min(std::min(dab, dbc), dca);
-    const float d = (outside <= 0.0f && !p.degenerate) ? plane : edge;
+    const float d = outside <= inside ? plane : edge;
     nearest[i] = d < best[i] ? index : nearest[i];
     best[i] = d < best[i] ? d : best[i];
   }
@@ -90,21 +132,33 @@ void DeviationBatch::grow() {
   nearest_.resize(capacity);
 }
 
-void DeviationBatch::add(Vec3f p) {
-  if (size_ == x_.size()) grow();
-  x_[size_] = p.x;
-  y_[size_] = p.y;
-  z_[size_] = p.z;
-  best_[size_] = std::numeric_limits<float>::max();
-  nearest_[size_] = -1;
-  ++size_;
-}
-
-void DeviationBatch::measure(Vec3f a, Vec3f b, Vec3f c, std::int32_t index) {
-  longest_edge_squared_ =
-      std::max({longest_edge_squared_, dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-  measure_all(size_, x_.data(), y_.data(), z_.data(), best_.data(), nearest_.data(), planes_of(a, b, c),
-              index);
+void DeviationBatch::measure(std::span<const std::array<Vec3f, 3>> triangles, std::int32_t first_index) {
+  const std::size_t padded = (size_ + point_block - 1) / point_block * point_block;
+  if (!std::exchange(measured_, true)) {
+    std::fill_n(best_.begin(), padded, std::numeric_limits<float>::max());
+    std::fill_n(nearest_.begin(), padded, -1);
+  }
+  Planes planes;
+  const auto set = [](Planes::Vec& v, std::size_t k, Vec3f p) {
+    v.x[k] = p.x;
+    v.y[k] = p.y;
+    v.z[k] = p.z;
+  };
+  for (std::size_t first = 0; first < triangles.size(); first += triangle_block) {
+    const std::size_t count = std::min(triangle_block, triangles.size() - first);
+    for (std::size_t k = 0; k < triangle_block; ++k) {
+      const auto& t = triangles[first + std::min(k, count - 1)];
+      set(planes.a, k, t[0]);
+      set(planes.b, k, t[1]);
+      set(planes.c, k, t[2]);
+    }
+    complete_planes(planes);
+    for (std::size_t k = 0; k < count; ++k) {
+      longest_edge_squared_ = std::max(longest_edge_squared_, planes.longest[k]);
+      measure_all(padded, x_.data(), y_.data(), z_.data(), best_.data(), nearest_.data(), planes, k,
+                  first_index + static_cast<std::int32_t>(first + k));
+    }
+  }
 }
 
 float DeviationBatch::worst_bound() const {

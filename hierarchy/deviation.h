@@ -1,6 +1,7 @@
 #pragma once
 /// Measured deviation: how far samples of the original surface lie from the triangles that replace it (I5).
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,7 +11,7 @@
 namespace cuesta {
 
 /// Points in structure-of-arrays form, with the squared distance to, and the index of, the nearest triangle
-/// so far. Filled, measured and read back within one substitution; reused, so it does not allocate after
+/// so far. Filled, then measured and read back within one substitution; reused, so it does not allocate after
 /// warm-up.
 class DeviationBatch {
  public:
@@ -23,15 +24,26 @@ class DeviationBatch {
 
   void clear() {
     size_ = 0;
+    measured_ = false;
     longest_edge_squared_ = 0;
   }
   std::size_t size() const { return size_; }
-  void add(Vec3f p);
+  void add(Vec3f p) {
+    if (size_ == x_.size()) grow();
+    x_[size_] = p.x;
+    y_[size_] = p.y;
+    z_[size_] = p.z;
+    ++size_;
+  }
 
-  /// Distances to triangle (a, b, c); a point that is nearer to it than to all before takes `index`.
-  /// Coordinates are integers below 2^24; exact up to the rounding named above. @cost about 1 ns per point
-  /// with AVX2.
-  void measure(Vec3f a, Vec3f b, Vec3f c, std::int32_t index);
+  /// Distances to the triangles; a point that is nearer to triangle i than to all before takes first_index +
+  /// i. Coordinates are integers below 2^24; exact up to the rounding named above. @cost about 1 ns per point
+  /// and triangle with AVX2, points in eights.
+  void measure(std::span<const std::array<Vec3f, 3>> triangles, std::int32_t first_index = 0);
+  void measure(Vec3f a, Vec3f b, Vec3f c, std::int32_t index) {
+    const std::array<Vec3f, 3> corners{a, b, c};
+    measure({&corners, 1}, index);
+  }
 
   float squared_distance(std::size_t i) const { return best_[i]; }
   std::int32_t nearest(std::size_t i) const { return nearest_[i]; }
@@ -43,6 +55,7 @@ class DeviationBatch {
  private:
   void grow();
   std::size_t size_ = 0;
+  bool measured_ = false;
   float longest_edge_squared_ = 0;
   std::vector<float> x_, y_, z_, best_;
   std::vector<std::int32_t> nearest_;

@@ -42,6 +42,7 @@ SubstitutionKernel::SubstitutionKernel(CellMesh cell) : births_(std::move(cell.b
   live_triangles_ = static_cast<std::uint32_t>(corners_.size());
   alive_.assign(corners_.size(), 1);
   stamp_.assign(position_.size(), 0);
+  ball_stamp_.assign(position_.size(), 0);
   build_stars();
   walk_edges();
   build_quadrics();
@@ -153,14 +154,13 @@ void SubstitutionKernel::build_quadrics() {
 }
 
 void SubstitutionKernel::adopt_samples(const TriangleSamples& samples) {
-  first_sample_.assign(corners_.size(), none);
+  samples_.resize(corners_.size());
+  sample_arena_.reserve((samples.points.size() + point_count()) * 2);
+  for (const Vec3i& p : samples.points) sample_arena_.push_back(vec_cast<float>(p - origin_));
+  live_samples_ = sample_arena_.size();
   if (samples.begin.empty()) return;
-  samples_.reserve(samples.points.size() + position_.size());
   for (TriangleId t = 0; t < corners_.size(); ++t)
-    for (std::uint32_t i = samples.begin[t]; i < samples.begin[t + 1]; ++i) {
-      samples_.push_back({vec_cast<float>(samples.points[i] - origin_), first_sample_[t]});
-      first_sample_[t] = static_cast<std::uint32_t>(samples_.size() - 1);
-    }
+    samples_[t] = {samples.begin[t], samples.begin[t + 1] - samples.begin[t]};
 }
 
 std::uint32_t SubstitutionKernel::next_stamp() {
@@ -212,12 +212,13 @@ bool SubstitutionKernel::link_condition(PointId u, PointId v) {
   const bool v_locked = (flags_[v] & flag_locked) != 0;
   const std::uint32_t counted = next_stamp();
   std::uint32_t at_edge = 0;
+  PointId third[2] = {none, none};
   for (TriangleId t : star(u)) {
     if (!has_corner(t, v)) continue;
-    ++at_edge;
-    for (PointId q : corners_[t])
-      if (q != u && q != v && std::exchange(stamp_[q], counted) == counted)
-        return false;  // doubled triangles
+    if (at_edge == 2) return false;
+    const PointId q = third_corner(t, u, v);
+    if (std::exchange(stamp_[q], counted) == counted) return false;  // doubled triangles
+    third[at_edge++] = q;
   }
   if (at_edge != (border(u) ? 1u : 2u)) return false;
   std::uint32_t others_in_common = 0;
@@ -233,7 +234,7 @@ bool SubstitutionKernel::link_condition(PointId u, PointId v) {
   if (others_in_common == 1 && border(u)) return closes_hole(u, v);
   if (others_in_common != 0) return false;
   if (star_size_[u] == at_edge) return ear_has_neighbour(u, v);
-  return !doubles_triangle(u, v);
+  return !doubles_triangle(u, v, third[0], third[1]);
 }
 
 /// Would a triangle that u → v modifies have the corners of one that v has already? Between three locked
@@ -245,6 +246,21 @@ bool SubstitutionKernel::doubles_triangle(PointId u, PointId v) const {
     const int i = c[0] == u ? 0 : c[1] == u ? 1 : 2;
     const PointId a = c[(i + 1) % 3], b = c[(i + 2) % 3];
     if ((flags_[v] & flags_[a] & flags_[b] & flag_locked) != 0) return true;
+    for (TriangleId s : star(v))
+      if (has_corner(s, a) && has_corner(s, b)) return true;
+  }
+  return false;
+}
+
+/// The same where w and x are all that u and v have in common as neighbours: a triangle around u can have a
+/// double around v only if both its other corners are among these.
+bool SubstitutionKernel::doubles_triangle(PointId u, PointId v, PointId w, PointId x) const {
+  const bool v_locked = (flags_[v] & flag_locked) != 0;
+  for (TriangleId t : star(u)) {
+    const PointId a = next_corner(t, u), b = previous_corner(t, u);
+    if (a == v || b == v) continue;
+    if (v_locked && (flags_[a] & flags_[b] & flag_locked) != 0) return true;
+    if ((a != w && a != x) || (b != w && b != x)) continue;
     for (TriangleId s : star(v))
       if (has_corner(s, a) && has_corner(s, b)) return true;
   }
@@ -363,16 +379,11 @@ bool SubstitutionKernel::legal(PointId u, PointId v) {
 /// Samples of the patch and the points that leave, into the batch.
 void SubstitutionKernel::collect_samples() {
   batch_.clear();
-  batch_ids_.clear();
-  for (TriangleId t : patch_)
-    for (std::uint32_t s = first_sample_[t]; s != none; s = samples_[s].next) {
-      batch_.add(samples_[s].position);
-      batch_ids_.push_back(s);
-    }
-  for (PointId p : leaving_) {
-    batch_.add(position_[p]);
-    batch_ids_.push_back(none);
+  for (TriangleId t : patch_) {
+    const SampleRun run = samples_[t];
+    for (std::uint32_t i = 0; i < run.count; ++i) batch_.add(sample_arena_[run.begin + i]);
   }
+  for (PointId p : leaving_) batch_.add(position_[p]);
 }
 
 /// Triangles that take the samples and are reborn: those that u → v modifies; when it modifies none (u is the
@@ -388,12 +399,13 @@ void SubstitutionKernel::choose_targets(PointId u, PointId v) {
 
 /// Distances of the batch to the targets with u replaced by v.
 void SubstitutionKernel::measure_targets(PointId u, PointId v) {
-  for (std::size_t i = 0; i < targets_.size(); ++i) {
-    auto c = corners_[targets_[i]];
-    for (PointId& p : c)
-      if (p == u) p = v;
-    batch_.measure(position_[c[0]], position_[c[1]], position_[c[2]], static_cast<std::int32_t>(i));
+  target_corners_.clear();
+  const auto at = [&](PointId p) { return position_[p == u ? v : p]; };
+  for (TriangleId t : targets_) {
+    const auto& c = corners_[t];
+    target_corners_.push_back({at(c[0]), at(c[1]), at(c[2])});
   }
+  batch_.measure(target_corners_);
 }
 
 float SubstitutionKernel::measure(PointId u, PointId v) {
@@ -425,19 +437,30 @@ float SubstitutionKernel::birth_error() const {
   return error;
 }
 
-/// Points of the patch and its targets, and the balls they were born with; each once.
+/// Points of the patch and its targets, and the balls they were born with; each once in a fan.
 void SubstitutionKernel::cover_patch(std::vector<Sphere>& balls) {
+  if (balls.empty()) {
+    born_balls_.clear();
+    if (++current_fan_ == 0) {
+      std::fill(ball_stamp_.begin(), ball_stamp_.end(), 0u);
+      current_fan_ = 1;
+    }
+  }
   const Vec3f to_grid = vec_cast<float>(origin_);
-  const std::uint32_t seen = next_stamp();
-  const auto known = [&balls](const Sphere& s) {
-    return std::any_of(balls.begin(), balls.end(),
-                       [&s](const Sphere& b) { return b.radius == s.radius && b.centre == s.centre; });
+  const auto known = [&](const Sphere& s) {
+    return std::any_of(born_balls_.begin(), born_balls_.end(), [&](std::uint32_t i) {
+      return balls[i].radius == s.radius && balls[i].centre == s.centre;
+    });
   };
   for (const auto* triangles : {&patch_, &targets_, &guarded_})
     for (TriangleId t : *triangles) {
-      if (births_[t].sphere.radius > 0 && !known(births_[t].sphere)) balls.push_back(births_[t].sphere);
+      if (births_[t].sphere.radius > 0 && !known(births_[t].sphere)) {
+        born_balls_.push_back(static_cast<std::uint32_t>(balls.size()));
+        balls.push_back(births_[t].sphere);
+      }
       for (PointId q : corners_[t])
-        if (std::exchange(stamp_[q], seen) != seen) balls.push_back({position_[q] + to_grid, 0});
+        if (std::exchange(ball_stamp_[q], current_fan_) != current_fan_)
+          balls.push_back({position_[q] + to_grid, 0});
     }
 }
 
@@ -449,18 +472,43 @@ void SubstitutionKernel::remove_from_star(PointId p, TriangleId t) {
   --star_size_[p];
 }
 
-/// Hands the measured samples to their nearest triangles; u becomes a sample like those it stood for.
+/// Hands the measured samples to their nearest triangles, which get a new run each: what they have kept, and
+/// what they take. Points that leave are samples like those they stood for.
 void SubstitutionKernel::redistribute_samples() {
+  live_samples_ += leaving_.size();
+  std::size_t kept = 0;
+  for (TriangleId t : targets_) kept += samples_[t].count;
+  if (sample_arena_.size() + kept + batch_.size() > sample_arena_.capacity()) pack_samples();
+  target_fill_.assign(targets_.size(), 0);
   for (std::uint32_t i = 0; i < batch_.size(); ++i) {
     CUESTA_CHECK(batch_.nearest(i) >= 0);
-    std::uint32_t id = batch_ids_[i];
-    if (id == none) {
-      id = static_cast<std::uint32_t>(samples_.size());
-      samples_.push_back({batch_.point(i), none});
-    }
-    std::uint32_t& first = first_sample_[targets_[static_cast<std::size_t>(batch_.nearest(i))]];
-    samples_[id].next = std::exchange(first, id);
+    ++target_fill_[static_cast<std::size_t>(batch_.nearest(i))];
   }
+  auto end = static_cast<std::uint32_t>(sample_arena_.size());
+  sample_arena_.resize(sample_arena_.size() + kept + batch_.size());
+  for (std::size_t k = 0; k < targets_.size(); ++k) {
+    SampleRun& run = samples_[targets_[k]];
+    std::copy_n(sample_arena_.begin() + run.begin, run.count, sample_arena_.begin() + end);
+    const std::uint32_t taken = std::exchange(target_fill_[k], end + run.count);
+    run = {end, run.count + taken};
+    end += run.count;
+  }
+  for (std::uint32_t i = 0; i < batch_.size(); ++i)
+    sample_arena_[target_fill_[static_cast<std::size_t>(batch_.nearest(i))]++] = batch_.point(i);
+}
+
+/// Runs that were left behind go; room for as much again, and for what is about to come.
+void SubstitutionKernel::pack_samples() {
+  std::vector<Vec3f> packed;
+  packed.reserve(2 * (live_samples_ + point_count()));
+  for (TriangleId t = 0; t < corners_.size(); ++t) {
+    SampleRun& run = samples_[t];
+    if (!alive_[t] || run.count == 0) continue;
+    const auto first = sample_arena_.begin() + run.begin;
+    run.begin = static_cast<std::uint32_t>(packed.size());
+    packed.insert(packed.end(), first, first + run.count);
+  }
+  sample_arena_ = std::move(packed);
 }
 
 void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vector<Child>& children,
@@ -503,7 +551,7 @@ void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vect
           break;
         }
     }
-    first_sample_[t] = none;
+    samples_[t].count = 0;
   }
   changed.insert(changed.end(), targets_.begin(), targets_.end());
   changed.insert(changed.end(), guarded_.begin(), guarded_.end());
@@ -558,8 +606,8 @@ CellSurvivors SubstitutionKernel::survivors() const {
     else
       out.corners.push_back(corners_[t]);
     out.births.push_back(births_[t]);
-    for (std::uint32_t s = first_sample_[t]; s != none; s = samples_[s].next)
-      out.samples.points.push_back(vec_cast<std::int32_t>(samples_[s].position) + origin_);
+    for (std::uint32_t i = 0; i < samples_[t].count; ++i)
+      out.samples.points.push_back(vec_cast<std::int32_t>(sample_arena_[samples_[t].begin + i]) + origin_);
     out.samples.begin.push_back(static_cast<std::uint32_t>(out.samples.points.size()));
   }
   return out;

@@ -90,9 +90,9 @@ class SubstitutionKernel {
 
  private:
   static constexpr std::uint8_t flag_removed = 1, flag_locked = 2, flag_border = 4;
-  struct Sample {
-    Vec3f position;
-    std::uint32_t next;
+  /// A triangle's samples: sample_arena_[begin] … [begin + count - 1].
+  struct SampleRun {
+    std::uint32_t begin = 0, count = 0;
   };
   /// What the cost of moving a point needs of it: one cache line.
   struct alignas(64) Mover {
@@ -115,6 +115,10 @@ class SubstitutionKernel {
     const auto& c = corners_[t];
     return c[0] == p ? c[2] : c[1] == p ? c[0] : c[1];
   }
+  PointId third_corner(TriangleId t, PointId p, PointId q) const {
+    const auto& c = corners_[t];
+    return c[0] != p && c[0] != q ? c[0] : c[1] != p && c[1] != q ? c[1] : c[2];
+  }
   void build_stars();
   void walk_edges();
   void walk_edges_around(PointId p, std::uint64_t& rings);
@@ -126,6 +130,7 @@ class SubstitutionKernel {
   bool link_condition(PointId u, PointId v);
   bool loosely_legal(PointId u, PointId v);
   bool doubles_triangle(PointId u, PointId v) const;
+  bool doubles_triangle(PointId u, PointId v, PointId w, PointId x) const;
   bool closes_hole(PointId u, PointId v);
   std::uint32_t edge_triangles(PointId p, PointId q) const;
   void update_border(PointId p);
@@ -137,6 +142,7 @@ class SubstitutionKernel {
   void cover_patch(std::vector<Sphere>& balls);
   void choose_targets(PointId u, PointId v);
   void redistribute_samples();
+  void pack_samples();
   void remove_from_star(PointId p, TriangleId t);
   std::uint32_t next_stamp();
 
@@ -152,8 +158,9 @@ class SubstitutionKernel {
   std::vector<std::array<PointId, 3>> corners_;  // per triangle
   std::vector<std::uint8_t> alive_;
   std::vector<Birth> births_;
-  std::vector<std::uint32_t> first_sample_;  // per triangle
-  std::vector<Sample> samples_;
+  std::vector<SampleRun> samples_;   // per triangle
+  std::vector<Vec3f> sample_arena_;  // only grows, until it is packed
+  std::size_t live_samples_ = 0;
   std::uint32_t live_triangles_ = 0;
 
   // Scratch of one substitution.
@@ -161,7 +168,11 @@ class SubstitutionKernel {
   std::uint32_t current_stamp_ = 0;
   std::vector<PointId> ring_;
   DeviationBatch batch_;
-  std::vector<std::uint32_t> batch_ids_;
+  std::vector<std::array<Vec3f, 3>> target_corners_;
+  std::vector<std::uint32_t> target_fill_;
+  std::vector<std::uint32_t> ball_stamp_;  // points that are in the fan's balls
+  std::uint32_t current_fan_ = 0;
+  std::vector<std::uint32_t> born_balls_;    // those of the fan's balls that are births
   std::vector<TriangleId> patch_, targets_;  // triangles that go or change; those that take their samples
   std::vector<TriangleId> guarded_;  // reborn too: nothing at the corners of what goes may change before it
   std::vector<PointId> leaving_;
