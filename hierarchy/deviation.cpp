@@ -5,16 +5,10 @@
 #include <limits>
 #include <utility>
 
+#include "hierarchy/vector_clones.h"
+
 namespace cuesta {
 namespace {
-
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && \
-    !defined(__clang__)
-// One source, two encodings, the same IEEE operations: the result does not depend on the machine (I6).
-#define CUESTA_VECTOR_CLONES __attribute__((target_clones("avx2", "default"), optimize("O3")))
-#else
-#define CUESTA_VECTOR_CLONES
-#endif
 
 /// Points per step; arrays of points are as long as a multiple of it.
 constexpr std::size_t point_block = 8;

@@ -1,6 +1,8 @@
 #include "hierarchy/simplify_cell.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <limits>
 
 #include "hierarchy/bounding_sphere.h"
@@ -71,6 +73,8 @@ class FanMerger {
  private:
   void refresh_costs() {
     std::size_t kept = 0;
+    histogram_.fill(0);
+    finite_ = 0;
     for (PointId v : centres_) {
       if (kernel_.removed(v)) continue;
       if (dirty_[v]) {
@@ -79,9 +83,16 @@ class FanMerger {
         dirty_[v] = 0;
       }
       centres_[kept++] = v;
+      if (cost_[v] < never) {
+        ++histogram_[bin(cost_[v])];
+        ++finite_;
+      }
     }
     centres_.resize(kept);
   }
+
+  /// Costs are not negative: their bits are in order. Sign, exponent and two bits of mantissa.
+  static std::size_t bin(float cost) { return std::bit_cast<std::uint32_t>(cost) >> 21; }
 
   /// The cheapest neighbour that could move here, and its cost.
   void find_cheapest(PointId v) {
@@ -125,18 +136,23 @@ class FanMerger {
   }
 
   float cost_quantile() {
+    if (finite_ == 0) return 0;
+    auto nth = static_cast<std::size_t>(static_cast<double>(finite_ - 1) * quantile());
+    std::size_t b = 0;
+    for (; nth >= histogram_[b]; ++b) nth -= histogram_[b];
     scratch_.clear();
     for (PointId v : centres_)
-      if (cost_[v] < never) scratch_.push_back(cost_[v]);
-    if (scratch_.empty()) return 0;
-    const auto nth =
-        scratch_.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(scratch_.size() - 1) * quantile());
-    std::nth_element(scratch_.begin(), nth, scratch_.end());
-    return *nth;
+      if (bin(cost_[v]) == b) scratch_.push_back(cost_[v]);
+    const auto at = scratch_.begin() + static_cast<std::ptrdiff_t>(nth);
+    std::nth_element(scratch_.begin(), at, scratch_.end());
+    return *at;
   }
 
   float highest_cost() const {
-    return scratch_.empty() ? 0 : *std::max_element(scratch_.begin(), scratch_.end());
+    float highest = 0;
+    for (PointId v : centres_)
+      if (cost_[v] < never) highest = std::max(highest, cost_[v]);
+    return highest;
   }
 
   /// One pass: disjoint fans under the threshold. Returns the number of substitutions.
@@ -144,12 +160,13 @@ class FanMerger {
     ++pass_stamp_;
     order_.clear();
     for (PointId v : centres_)
-      if (cost_[v] <= threshold && retry_[v] <= threshold) order_.push_back(v);
-    std::sort(order_.begin(), order_.end(),
-              [this](PointId a, PointId b) { return cost_[a] != cost_[b] ? cost_[a] < cost_[b] : a < b; });
+      if (cost_[v] <= threshold && retry_[v] <= threshold)
+        order_.push_back(std::uint64_t{std::bit_cast<std::uint32_t>(cost_[v])} << 32 | v);
+    std::sort(order_.begin(), order_.end());  // by cost, then by number
     std::size_t done = 0;
     const std::size_t first_fan = result_.script.fans.size();
-    for (PointId v : order_) {
+    for (const std::uint64_t entry : order_) {
+      const auto v = static_cast<PointId>(entry);
       if (kernel_.live_triangles() <= options_.target_triangles) break;
       if (!free_neighbourhood(v)) continue;
       const std::size_t merged = merge_fan(v, threshold);
@@ -271,7 +288,10 @@ class FanMerger {
   std::vector<std::uint32_t> taken_;
   std::uint32_t pass_stamp_ = 0;
   std::vector<std::uint8_t> dirty_;
-  std::vector<PointId> centres_, order_;
+  std::vector<PointId> centres_;
+  std::vector<std::uint64_t> order_;           // of a pass: bits of the cost, centre
+  std::array<std::uint32_t, 1024> histogram_;  // of the costs below `never`
+  std::size_t finite_ = 0;                     // their number
   std::vector<std::pair<float, PointId>> candidates_;
   std::vector<Sphere> balls_;
   std::vector<TriangleId> changed_;
