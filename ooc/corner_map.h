@@ -1,7 +1,8 @@
 #pragma once
-/// Which (position, texture coordinate, normal) triples a face file has used, each with the number of its
-/// vertex.
+/// Which (position, texture coordinate, normal) triples a face file has used lately, each with the number of
+/// its vertex.
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -9,8 +10,10 @@
 
 namespace cuesta {
 
-/// Open addressing, at most half full: 16 to 48 bytes per triple with what a growing table needs for a
-/// moment.
+/// Open addressing, at most half full: 32 to 64 bytes per triple, half as much again while it grows. It grows
+/// while `keep_free` bytes of the budget stay free; when it is full after that it forgets all triples and
+/// goes on: what is used again later becomes another vertex with the same values. So do triples with a number
+/// of 2^32 - 1 or more, as slots hold 32 bits. Nothing is ever refused.
 class CornerMap {
  public:
   struct Key {
@@ -21,18 +24,25 @@ class CornerMap {
     bool is_new;
   };
 
-  /// Numbers triples from 0 in the order of their first use.
-  /// @error out_of_budget, also from 2^32 - 2 of one kind on.
-  Result<Found> find_or_add(const Key& key, ReadBudget& budget) {
-    if (is_large(key.v) || is_large(key.vt) || is_large(key.vn) || entries_ == 0xffff'fffe) return too_many();
-    if (2 * (entries_ + 1) > slots_.size()) CUESTA_TRY(grow(budget));
+  CornerMap(ReadBudget& budget, std::uint64_t keep_free) : budget_(budget), keep_free_(keep_free) {}
+  ~CornerMap() { budget_.release(slots_.size() * sizeof(Slot)); }
+  CornerMap(const CornerMap&) = delete;
+  CornerMap& operator=(const CornerMap&) = delete;
+
+  /// The vertex that the triple has, or `next`, which becomes its vertex.
+  Found find_or_add(const Key& key, std::uint64_t next) {
+    if (is_large(key.v) || is_large(key.vt) || is_large(key.vn) || is_large(next)) return {next, true};
     const Slot wanted{static_cast<std::uint32_t>(key.v), static_cast<std::uint32_t>(key.vt),
-                      static_cast<std::uint32_t>(key.vn), entries_};
-    Slot& slot = place(wanted);
-    if (slot.index != empty) return Found{slot.index, false};
-    slot = wanted;
+                      static_cast<std::uint32_t>(key.vn), static_cast<std::uint32_t>(next)};
+    Slot* slot = slots_.empty() ? nullptr : &place(wanted);
+    if (slot && slot->index != empty) return {slot->index, false};
+    if (2 * (entries_ + 1) > slots_.size()) {
+      if (!make_room()) return {next, true};
+      slot = &place(wanted);
+    }
+    *slot = wanted;
     ++entries_;
-    return Found{wanted.index, true};
+    return {next, true};
   }
 
  private:
@@ -41,10 +51,6 @@ class CornerMap {
     std::uint32_t v = 0, vt = 0, vn = 0, index = empty;
   };
   static bool is_large(std::uint64_t i) { return i >= 0xffff'ffff && i != ~std::uint64_t{0}; }
-  static tl::unexpected<Error> too_many() {
-    return fail(ErrorCode::out_of_budget, "", "",
-                "more than 2^32 - 2 distinct corners; convert the file to PLY");
-  }
 
   static std::uint64_t hash(const Slot& s) {
     std::uint64_t h = (std::uint64_t{s.v} << 32 | s.vt) * 0x9e37'79b9'7f4a'7c15;
@@ -59,20 +65,28 @@ class CornerMap {
       if (s.index == empty || (s.v == wanted.v && s.vt == wanted.vt && s.vn == wanted.vn)) return s;
     }
   }
-  Result<void> grow(ReadBudget& budget) {
+  /// Grows or forgets; false if there is no room for a table at all.
+  bool make_room() {
     const std::size_t size = slots_.empty() ? 1024 : 2 * slots_.size();
-    CUESTA_TRY(budget.charge(size, sizeof(Slot), "entries of the corner table"));
+    if (budget_.left() < keep_free_ + size * sizeof(Slot) ||
+        !budget_.charge(size, sizeof(Slot), "entries of the corner table")) {
+      std::fill(slots_.begin(), slots_.end(), Slot{});
+      entries_ = 0;
+      return !slots_.empty();
+    }
     std::vector<Slot> old(size);
     old.swap(slots_);
     for (const Slot& s : old) {
       if (s.index != empty) place(s) = s;
     }
-    budget.release(old.size() * sizeof(Slot));
-    return {};
+    budget_.release(old.size() * sizeof(Slot));
+    return true;
   }
 
+  ReadBudget& budget_;
+  std::uint64_t keep_free_;
   std::vector<Slot> slots_;
-  std::uint32_t entries_ = 0;
+  std::uint64_t entries_ = 0;
 };
 
 }  // namespace cuesta

@@ -131,8 +131,8 @@ DracoMesh::~DracoMesh() = default;
 Result<DracoMesh> DracoMesh::decode(std::span<const char> bytes, ReadBudget& budget) {
   const auto counts = peek_counts(bytes);
   if (!counts) return fail(counts.error());
-  const std::uint64_t needed =
-      counts->faces * decode_bytes_per_face + counts->vertices * decode_bytes_per_vertex + decode_bytes_fixed;
+  const std::uint64_t needed = counts->faces * decode_bytes_per_face +
+                               counts->vertices * decode_bytes_per_vertex + decode_bytes_fixed + bytes.size();
   CUESTA_TRY(budget.charge(needed, 1, "bytes to decode Draco data"));
   auto impl = std::make_unique<Impl>();
   impl->budget = &budget;

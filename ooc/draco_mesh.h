@@ -15,11 +15,11 @@ enum class DracoSemantic : std::uint8_t { position, normal, colour, texcoord };
 
 class DracoMesh {
  public:
-  /// Decodes a whole Draco bitstream. Draco cannot stream: what decoding needs is charged for `budget` from
-  /// the counts in the bitstream's header before it starts, what the mesh keeps is charged until the mesh is
-  /// destroyed.
-  /// Not guaranteed: libdraco 1.5.5 trusts one count inside its texture coordinate prediction, so that a
-  /// hostile file of any size can cost about 20 s and 256 MiB more before it is refused.
+  /// Decodes a whole Draco bitstream. Draco cannot stream: what decoding needs, `bytes` themselves included,
+  /// is charged for `budget` from the counts in the bitstream's header before it starts, what the mesh keeps
+  /// is charged until the mesh is destroyed. Not guaranteed: libdraco 1.5.5 trusts one count inside its
+  /// texture coordinate prediction, so that a hostile file of any size can cost about 20 s and 256 MiB more
+  /// before it is refused.
   /// @error corrupt; unsupported_version for point clouds; out_of_budget. Never throws. `budget` must outlive
   /// the mesh.
   static Result<DracoMesh> decode(std::span<const char> bytes, ReadBudget& budget);

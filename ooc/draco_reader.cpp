@@ -90,6 +90,7 @@ Result<ReadReport> read_draco(const ReadJob& job) {
   CUESTA_TRY(job.report_progress(0));
   const auto mesh = DracoMesh::decode(job.bytes, job.budget);
   if (!mesh) return fail(mesh.error());
+  if (job.window) job.window->release_all();
   return DracoFile(job, *mesh).emit();
 }
 

@@ -114,11 +114,33 @@ std::uint64_t Numbers::index(std::uint64_t element) const {
   }
 }
 
-Result<std::vector<char>*> Data::allocate(std::uint64_t count, std::uint64_t element_bytes,
+Result<std::vector<char>*> Data::allocate(Memory& memory, std::uint64_t count, std::uint64_t element_bytes,
                                           const char* what) {
   CUESTA_TRY(job_.budget.charge(count, element_bytes, what));
-  memory_.push_back(std::make_unique<std::vector<char>>(count * element_bytes));
-  return memory_.back().get();
+  memory.push_back(std::make_unique<std::vector<char>>(count * element_bytes));
+  return memory.back().get();
+}
+
+void Data::forget_decoded() {
+  std::uint64_t held = 0;
+  for (const auto& bytes : decoded_) held += bytes->size();
+  if (held <= job_.budget.left() / 2) return;
+  meshopt_views_.clear();
+  materialised_.clear();
+  decoded_.clear();
+  job_.budget.release(held);
+}
+
+void Data::release(const char* begin, const char* end) const {
+  if (job_.file && job_.file->contains(begin)) job_.file->release(begin, end);
+  for (const MappedFile& file : files_) {
+    if (file.contains(begin)) file.release(begin, end);
+  }
+}
+
+Result<void> Data::check_unchanged() const {
+  for (const MappedFile& file : files_) CUESTA_TRY(file.check_unchanged());
+  return {};
 }
 
 Result<std::span<const char>> Data::buffer(Id id) {
@@ -153,13 +175,14 @@ Result<std::span<const char>> Data::load_buffer(Id id) {
   }
   auto file = MappedFile::open(job_.path.parent_path() / name);
   if (!file) return fail(std::move(file).error());
+  file->close_descriptor();
   files_.push_back(std::move(*file));
   return files_.back().bytes();
 }
 
 Result<std::span<const char>> Data::decode_base64(std::string_view text) {
   while (text.ends_with('=')) text.remove_suffix(1);
-  auto out = allocate(text.size() / 4 * 3 + text.size() % 4 * 3 / 4, 1, "bytes of base64 data");
+  auto out = allocate(base64_, text.size() / 4 * 3 + text.size() % 4 * 3 / 4, 1, "bytes of base64 data");
   if (!out) return fail(std::move(out).error());
   std::uint32_t bits = 0;
   int held = 0;
@@ -211,8 +234,11 @@ Result<std::span<const char>> Data::decode_meshopt(const Meshopt& m) {
     return corrupt("a filter needs the attributes mode");
   auto in = slice(m.buffer, m.offset, m.bytes);
   if (!in) return in;
-  auto out = allocate(m.count, m.stride, "meshopt elements");
+  auto out = allocate(decoded_, m.count, m.stride, "meshopt elements");
   if (!out) return fail(std::move(out).error());
+  // Its pages are in memory while it is decoded.
+  CUESTA_TRY(job_.budget.charge(in->size(), 1, "bytes of meshopt data"));
+  job_.budget.release(in->size());
   const auto* bytes = reinterpret_cast<const unsigned char*>(in->data());
   char* to = (**out).data();
   if (m.count == 0) return std::span<const char>(**out);
@@ -220,6 +246,7 @@ Result<std::span<const char>> Data::decode_meshopt(const Meshopt& m) {
                      : m.mode == MeshoptMode::triangles
                          ? meshopt_decodeIndexBuffer(to, m.count, m.stride, bytes, in->size())
                          : meshopt_decodeIndexSequence(to, m.count, m.stride, bytes, in->size());
+  release(in->data(), in->data() + in->size());
   if (status != 0) return corrupt("the compressed data is malformed");
   switch (m.filter) {
     case MeshoptFilter::identity:
@@ -270,7 +297,7 @@ Result<Numbers> Data::numbers(Id id) {
 /// Accessors without a view are zeros; sparse ones replace some elements.
 Result<Numbers> Data::materialised(const Accessor& a) {
   const std::uint64_t element = bytes_of(a.component) * a.components;
-  auto out = allocate(a.count, element, "elements of an accessor");
+  auto out = allocate(decoded_, a.count, element, "elements of an accessor");
   if (!out) return fail(std::move(out).error());
   char* to = (**out).data();
   if (a.view != none) {

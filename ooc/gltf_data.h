@@ -35,6 +35,13 @@ class Data {
   /// out_of_budget.
   Result<Numbers> numbers(Id accessor);
   Result<std::span<const char>> view(Id view);
+  /// Call when no Numbers and no view are in use any more: frees what was decoded, unless so much memory is
+  /// left that keeping it for another primitive costs nothing.
+  void forget_decoded();
+  /// The bytes from `begin` to `end` have been read: those in files need not stay in memory.
+  void release(const char* begin, const char* end) const;
+  /// @error io: one of the other files was changed meanwhile.
+  Result<void> check_unchanged() const;
   /// Files that were opened so far.
   std::uint64_t other_files() const { return files_.size(); }
 
@@ -47,7 +54,9 @@ class Data {
   Result<Numbers> packed(const Accessor& a, Id view, std::uint64_t offset, std::uint64_t count,
                          Component component, std::uint32_t components, std::uint64_t stride);
   Result<Numbers> materialised(const Accessor& a);
-  Result<std::vector<char>*> allocate(std::uint64_t count, std::uint64_t element_bytes, const char* what);
+  using Memory = std::vector<std::unique_ptr<std::vector<char>>>;  ///< spans point into them: they never move
+  Result<std::vector<char>*> allocate(Memory& memory, std::uint64_t count, std::uint64_t element_bytes,
+                                      const char* what);
 
   const ReadJob& job_;
   const Document& document_;
@@ -56,7 +65,8 @@ class Data {
   std::map<Id, std::span<const char>> meshopt_views_;
   std::map<Id, Numbers> materialised_;
   std::vector<MappedFile> files_;
-  std::vector<std::unique_ptr<std::vector<char>>> memory_;  ///< spans point into them: they never move
+  Memory base64_;   ///< buffers
+  Memory decoded_;  ///< views and accessors
 };
 
 }  // namespace cuesta::gltf

@@ -18,6 +18,9 @@ namespace cuesta {
 namespace gltf {
 namespace {
 
+/// Vertices or triangles after which what they were read from is released: of 12 bytes, 768 KiB.
+constexpr std::uint64_t release_elements = std::uint64_t{1} << 16;
+
 struct Chunks {
   std::string_view json;
   std::span<const char> binary;
@@ -85,6 +88,7 @@ class Reader {
       out_.at_byte(job_.bytes.size() * (mesh + 1) / document_.meshes.size());
     }
     auto report = out_.finish();
+    CUESTA_TRY(data_.check_unchanged());
     if (report) report->other_files = data_.other_files();
     return report;
   }
@@ -104,6 +108,7 @@ class Reader {
   }
 
   Result<void> emit(const Primitive& p, const std::vector<Transform>& placed) {
+    data_.forget_decoded();
     auto streams = load(p);
     if (!streams) return fail(std::move(streams).error());
     base_colour_ = p.material == none ? std::array<float, 4>{1, 1, 1, 1} : document_.base_colours[p.material];
@@ -153,6 +158,7 @@ class Reader {
     auto bytes = data_.view(p.draco->view);
     if (!bytes) return fail(std::move(bytes).error());
     auto mesh = DracoMesh::decode(*bytes, job_.budget);
+    data_.release(bytes->data(), bytes->data() + bytes->size());
     if (!mesh) return fail(std::move(mesh).error());
     const auto source = [&](std::uint32_t unique_id, Id accessor) {
       Streams::Source found;
@@ -195,9 +201,21 @@ class Reader {
     return colour;
   }
 
+  /// Elements from `first` to `last` have been read.
+  void passed(const std::optional<Numbers>& numbers, std::uint64_t first, std::uint64_t last) const {
+    if (!numbers || numbers->count == 0) return;
+    last = std::min(last, numbers->count - 1);  // behind the last there need not be a whole stride
+    data_.release(numbers->first + first * numbers->stride, numbers->first + last * numbers->stride);
+  }
+
+  void passed_vertices(const Streams& s, std::uint64_t first, std::uint64_t last) const {
+    for (const auto* stream : {&s.position, &s.normal, &s.colour, &s.texcoord}) passed(*stream, first, last);
+  }
+
   Result<void> emit_vertices(const Streams& s, const Transform& transform) {
     const Rgba8 plain_colour = stored_colour({1, 1, 1, 1});
     for (std::uint64_t i = 0; i < s.vertices; ++i) {
+      if (i % release_elements == 0 && i > 0) passed_vertices(s, i - release_elements, i);
       Vertex v;
       std::array<double, 3> p{}, n{};
       std::array<double, 4> c{1, 1, 1, 1};
@@ -211,6 +229,8 @@ class Reader {
       }
       CUESTA_TRY(out_.vertex(v));
     }
+    if (s.vertices > 0)
+      passed_vertices(s, (s.vertices - 1) / release_elements * release_elements, s.vertices);
     out_.set_vertex_count(first_vertex_ + s.vertices);
     return {};
   }
@@ -227,7 +247,13 @@ class Reader {
     };
     if (s.draco) mode = Mode::triangles;  // Draco data holds triangles, also where the primitive was a strip
     const std::uint64_t triangles = mode == Mode::triangles ? corners / 3 : corners < 3 ? 0 : corners - 2;
+    const auto first_corner = [mode](std::uint64_t t) { return mode == Mode::triangles ? 3 * t : t; };
+    std::uint64_t first_held = 0;
     for (std::uint64_t t = 0; t < triangles; ++t) {
+      if (t % release_elements == 0) {
+        passed(s.indices, first_held, first_corner(t));
+        first_held = first_corner(t);
+      }
       std::array<std::uint64_t, 3> c{};
       switch (mode) {
         case Mode::strip:
@@ -245,6 +271,7 @@ class Reader {
       if (mirrored) std::swap(c[1], c[2]);
       CUESTA_TRY(out_.triangle(c[0], c[1], c[2]));
     }
+    passed(s.indices, first_held, corners);
     return {};
   }
 
@@ -262,8 +289,11 @@ class Reader {
 Result<ReadReport> read_gltf(const ReadJob& job) {
   const auto chunks = gltf::chunks_of(job);
   if (!chunks) return fail(chunks.error());
+  CUESTA_TRY(job.budget.charge(chunks->json.size(), 1, "bytes of JSON"));
   const auto document = gltf::parse(job, chunks->json);
   if (!document) return fail(document.error());
+  job.budget.release(chunks->json.size());
+  if (job.window) job.window->release_all();
   return gltf::Reader(job, *document, chunks->binary).read();
 }
 

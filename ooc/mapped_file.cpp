@@ -5,8 +5,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 namespace cuesta {
 namespace {
@@ -18,12 +20,18 @@ tl::unexpected<Error> os_error(const std::filesystem::path& path, const char* wh
 
 }  // namespace
 
+MappedFile::Stamp MappedFile::stamp_of(const struct stat& info) {
+  return {info.st_dev, info.st_ino, static_cast<std::uint64_t>(info.st_size), info.st_mtim.tv_sec,
+          info.st_mtim.tv_nsec};
+}
+
 Result<MappedFile> MappedFile::open(const std::filesystem::path& path) {
   // O_NONBLOCK: opening a named pipe must not wait for a writer.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) return os_error(path, "cannot open");
   auto file = map(descriptor, path);
   ::close(descriptor);
+  if (file) file->path_ = path;
   return file;
 }
 
@@ -32,10 +40,12 @@ Result<MappedFile> MappedFile::map(int descriptor, const std::filesystem::path& 
   struct stat info {};
   if (::fstat(descriptor, &info) != 0 || !S_ISREG(info.st_mode))
     return fail(ErrorCode::io, path.string(), "", "expected a regular file");
+  file.stamp_ = stamp_of(info);
   if (info.st_size > 0) {
     const std::size_t size = static_cast<std::size_t>(info.st_size);
     void* map = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, descriptor, 0);
     if (map == MAP_FAILED) return os_error(path, "cannot map into memory");
+    file.descriptor_ = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
     file.data_ = static_cast<const char*>(map);
     file.size_ = size;
   }
@@ -43,20 +53,63 @@ Result<MappedFile> MappedFile::map(int descriptor, const std::filesystem::path& 
 }
 
 MappedFile::MappedFile(MappedFile&& other) noexcept
-    : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+    : data_(std::exchange(other.data_, nullptr)),
+      size_(std::exchange(other.size_, 0)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      stamp_(other.stamp_),
+      path_(std::move(other.path_)) {}
 
 MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
   std::swap(data_, other.data_);
   std::swap(size_, other.size_);
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(stamp_, other.stamp_);
+  std::swap(path_, other.path_);
   return *this;
 }
 
 MappedFile::~MappedFile() {
+  close_descriptor();
   if (data_) ::munmap(const_cast<char*>(data_), size_);
 }
 
 void MappedFile::advise_sequential() const {
   if (data_) ::madvise(const_cast<char*>(data_), size_, MADV_SEQUENTIAL);
+}
+
+void MappedFile::release(const char* begin, const char* end) const {
+  if (begin >= end) return;
+  const auto offset = [this](const char* at) { return static_cast<std::size_t>(at - data_); };
+  const std::size_t page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  const std::size_t from = (offset(begin) - std::min(offset(begin), fault_bytes)) / page * page;
+  const std::size_t to = std::min(size_, offset(end) + fault_bytes);
+  ::madvise(const_cast<char*>(data_ + from), to - from, MADV_DONTNEED);
+}
+
+Result<void> MappedFile::read(std::uint64_t offset, std::span<char> into) const {
+  while (!into.empty()) {
+    const ssize_t n = ::pread(descriptor_, into.data(), into.size(), static_cast<off_t>(offset));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return os_error(path_, "cannot read");
+    if (n == 0) return fail(ErrorCode::io, path_.string(), "", "the file became shorter while it was read");
+    offset += static_cast<std::uint64_t>(n);
+    into = into.subspan(static_cast<std::size_t>(n));
+  }
+  return {};
+}
+
+void MappedFile::close_descriptor() {
+  if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
+}
+
+Result<void> MappedFile::check_unchanged() const {
+  if (path_.empty()) return {};
+  struct stat info {};
+  if (::stat(path_.c_str(), &info) != 0) return {};  // removed or out of reach: the map still has it
+  const Stamp now = stamp_of(info);
+  if (now == stamp_ || now.device != stamp_.device || now.node != stamp_.node) return {};
+  return fail(ErrorCode::io, path_.string(), "",
+              "the file changed while it was read; read it again when nothing writes to it");
 }
 
 }  // namespace cuesta

@@ -1,5 +1,6 @@
 #pragma once
-/// A whole file as read-only memory, mapped: pages come in as they are touched and cost no budget.
+/// A whole file as read-only memory, mapped: pages come in as they are touched, count as resident memory of
+/// the process, and stay until they are released (map_window.h does that for readers).
 
 #include <cstdint>
 #include <filesystem>
@@ -7,12 +8,21 @@
 
 #include "ooc/result.h"
 
+struct stat;
+
 namespace cuesta {
 
-/// Owns the map. A file that another program truncates while it is mapped ends this process with SIGBUS:
-/// use it for inputs that belong to the user, not for files that something is writing.
+/// Owns the map. What is touched must be readable: a page that another program has cut off the file since it
+/// was mapped, or that the disk cannot read, ends this process with SIGBUS. check_unchanged() between reads
+/// finds the first before it is touched, unless it happens in between. Use it for inputs that belong to the
+/// user, not for files that something is writing. Beside resident pages a map costs page tables: 2 MiB per
+/// GiB touched.
 class MappedFile {
  public:
+  /// What a fault maps around the page that was touched, at most: Linux from 6.18 on maps whole large folios
+  /// of the page cache, before that 64 KiB.
+  static constexpr std::size_t fault_bytes = std::size_t{2} << 20;
+
   /// @error not_found; io, also for a folder or a device. An empty file is an empty span.
   static Result<MappedFile> open(const std::filesystem::path& path);
   /// The file behind an open descriptor, which stays open and the caller's. @param path for messages.
@@ -23,12 +33,35 @@ class MappedFile {
   ~MappedFile();
 
   std::span<const char> bytes() const { return {data_, size_}; }
+  bool contains(const char* at) const { return at >= data_ && at < data_ + size_; }
   /// Tells the kernel that the file is read from front to back.
   void advise_sequential() const;
+  /// Lets go of the pages from `begin` to `end` and of fault_bytes on both sides, which come in with them;
+  /// pages come back when touched. @pre begin and end point into bytes(), or to its end. @cost a system call.
+  void release(const char* begin, const char* end) const;
+  /// Copies without touching the map, which would bring in more. @pre all of it is in bytes().
+  /// @error io. Not possible after close_descriptor().
+  Result<void> read(std::uint64_t offset, std::span<char> into) const;
+  /// A process has few descriptors: for whoever opens many files. The map stays.
+  void close_descriptor();
+  /// For a file that was opened by name. A file put in its place under the name is no change: the map shows
+  /// the old one. @error io: it was written to, cut or made longer since it was mapped. @cost a system call.
+  Result<void> check_unchanged() const;
 
  private:
+  /// Which file it was, how long, and when last written.
+  struct Stamp {
+    std::uint64_t device = 0, node = 0, size = 0;
+    std::int64_t seconds = 0, nanoseconds = 0;
+    bool operator==(const Stamp&) const = default;
+  };
+  static Stamp stamp_of(const struct ::stat& info);
+
   const char* data_ = nullptr;
   std::size_t size_ = 0;
+  int descriptor_ = -1;  ///< a copy
+  Stamp stamp_;
+  std::filesystem::path path_;  ///< empty unless opened by name
 };
 
 }  // namespace cuesta

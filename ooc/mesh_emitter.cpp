@@ -53,7 +53,11 @@ Result<void> MeshEmitter::face(std::span<const std::uint64_t> corners) {
   }
   ++report_.polygons_triangulated;
   corner_positions_.clear();
-  for (const std::uint64_t corner : corners) corner_positions_.push_back(position_of_(corner));
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const auto position = position_of_(k, corners[k]);
+    if (!position) return fail(position.error());
+    corner_positions_.push_back(*position);
+  }
   for (const auto& t : triangulator_.triangulate(corner_positions_)) {
     CUESTA_TRY(push({corners[t[0]], corners[t[1]], corners[t[2]]}));
   }

@@ -33,8 +33,9 @@ inline std::uint8_t colour_byte(double value) {
 class MeshEmitter {
  public:
   static constexpr std::size_t block_elements = std::size_t{1} << 16;
-  /// Position of vertex i, for polygons with more than three corners; asked only for checked indices.
-  using PositionOf = std::function<Vec3d(std::uint64_t)>;
+  /// Position of the corner-th corner of the face, which is `vertex`; asked for every corner of a polygon
+  /// with more than three, whose vertices have been checked.
+  using PositionOf = std::function<Result<Vec3d>(std::size_t corner, std::uint64_t vertex)>;
 
   MeshEmitter(const ReadJob& job, AttributeSet attributes);
 

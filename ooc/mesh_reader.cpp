@@ -7,6 +7,7 @@
 #include <new>
 #include <string_view>
 
+#include "ooc/map_window.h"
 #include "ooc/mapped_file.h"
 #include "ooc/read_job.h"
 #include "ooc/text_cursor.h"
@@ -25,7 +26,9 @@ bool is_sized_like_binary_stl(std::span<const char> bytes) {
   return bytes.size() == 84 + std::uint64_t{50} * count;
 }
 
+/// Looks at the first mebibyte: what is not text by then, or only comments, has no first word.
 std::string_view first_word(std::span<const char> bytes) {
+  bytes = bytes.first(std::min<std::size_t>(bytes.size(), std::size_t{1} << 20));
   TextCursor text{bytes.data(), bytes.data() + bytes.size()};
   text.skip_spaces();
   while (!text.done() && *text.at == '#') {
@@ -92,19 +95,26 @@ Result<ReadReport> read_compressed(const ReadJob& job, Compression compression,
   UnpackLimits limits;
   limits.memory_bytes = job.budget.left();
   const auto unpacking = [&](std::uint64_t done) {
+    job.passed(job.bytes.data() + done);
     return !job.progress || job.progress(done / 2, packed_bytes);
   };
   auto file = unpack_file(job.path, job.bytes, compression, temp, limits, unpacking);
   if (!file) return fail(std::move(file).error());
+  CUESTA_TRY(job.file->check_unchanged());
+  job.window->release_all();
   file->advise_sequential();
+  MapWindow window(*file);
   const ReadProgress reading = [&](std::uint64_t done, std::uint64_t total) {
     const double part = total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 1;
     return !job.progress ||
            job.progress(half + static_cast<std::uint64_t>(part * static_cast<double>(packed_bytes - half)),
                         packed_bytes);
   };
-  auto report =
-      read_bytes({job.path, file->bytes(), job.sink, job.budget, reading, job.expect}, name_inside(job.path));
+  ReadJob inner{job.path, file->bytes(), job.sink, job.budget, reading, job.expect};
+  inner.temp = temp;
+  inner.file = &*file;
+  inner.window = &window;
+  auto report = read_bytes(inner, name_inside(job.path));
   if (!report && !report.error().place.empty()) report.error().place += " unpacked";
   return report;
 }
@@ -116,10 +126,16 @@ Result<ReadReport> read_into(const std::filesystem::path& path, MeshSink& sink, 
   auto file = MappedFile::open(path);
   if (!file) return fail(std::move(file).error());
   file->advise_sequential();
-  const ReadJob job{path, file->bytes(), sink, budget, progress, std::move(expect)};
+  MapWindow window(*file);
+  ReadJob job{path, file->bytes(), sink, budget, progress, std::move(expect)};
+  job.temp = temp;
+  job.file = &*file;
+  job.window = &window;
   const Compression compression = compression_of(job.bytes);
   auto report =
       compression == Compression::none ? read_bytes(job, path) : read_compressed(job, compression, temp);
+  // A file that changed may look damaged: the cause goes before the symptom.
+  if (report || report.error().code == ErrorCode::corrupt) CUESTA_TRY(file->check_unchanged());
   if (!report && report.error().file.empty()) report.error().file = path.string();
   return report;
 }

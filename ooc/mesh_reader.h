@@ -53,18 +53,23 @@ using ReadProgress = std::function<bool(std::uint64_t bytes_done, std::uint64_t 
 
 /// Reads `path`, its format taken from the content (magic bytes), else from the extension; that of a
 /// compressed file from the content inside, else from the extension before .gz or .zst.
-/// @param memory_bytes  what the reader itself may allocate. The file is mapped, which costs none of it. PLY
-/// of binary
-///        rows needs nothing, text formats 24 to 80 bytes per vertex, Draco 120 per face and 80 per vertex.
-/// @param temp  folder for what a compressed file unpacks to: a file without a name, mapped. Empty: TMPDIR,
-/// or else /tmp.
+/// @param memory_bytes  what the reader may hold. It needs none of it for STL and for PLY of binary rows; PLY
+///        and OFF as text and OBJ keep what faces may name, 24 to 48 bytes per vertex, in it or, when a part
+///        of it is full, in a temporary file. So they read files of any size with 1 MiB, the faster the more
+///        they get. Only what cannot be read in parts needs more: one Draco mesh (120 bytes per face and 80
+///        per vertex), one meshopt-compressed or sparse glTF primitive, a document's JSON, a window of zstd.
+/// @param temp  folder for what does not fit and for what a compressed file unpacks to, files without a name.
+///        Empty: TMPDIR, or else /tmp.
 ///        Unpacking is the first half of the progress; the place of an error behind it ends in "unpacked".
-/// STL gives three vertices per facet and no normals; OBJ a vertex per distinct v/vt/vn; glTF one copy of a
+/// STL gives three vertices per facet and no normals; OBJ a vertex per distinct v/vt/vn, several with the
+/// same values where the triples do not fit the memory (or are numbered from 2^32 on); glTF one copy of a
 /// mesh per node that shows it, in world coordinates, colours as sRGB and texture coordinates with v up.
 /// @error not_found, io; corrupt or unsupported_version with line or byte; out_of_budget before a count in
 /// the
-///        file makes it allocate more; cancelled. Also of unpack_file(). Never more memory than
-///        `memory_bytes` + 16 MiB (for hostile Draco data see draco_mesh.h).
+///        file makes it allocate more; cancelled; io if a file changes while it is read (but see MappedFile).
+///        Also of unpack_file() and TempFile. Never more memory than `memory_bytes` + 16 MiB, resident pages
+///        of mapped files included, for any size of the input (for hostile Draco data see draco_mesh.h; a
+///        single line, or a gap between two numbers, is resident as a whole).
 Result<ReadReport> read_mesh(const std::filesystem::path& path, MeshSink& sink, std::uint64_t memory_bytes,
                              const ReadProgress& progress = {}, const std::filesystem::path& temp = {});
 

@@ -1,10 +1,11 @@
-/// Wavefront OBJ: v (with colours), vn, vt, f. Three passes over the mapped text: count, read the vertex
-/// data, read the faces, so that every array is charged and allocated once and faces may name later vertices.
+/// Wavefront OBJ: v (with colours), vn, vt, f. Two passes over the mapped text, vertex data and faces, as
+/// faces may name later vertices. Vertex data are kept in tables that spill to a temporary file.
 
 #include <fmt/format.h>
 
 #include "ooc/corner_map.h"
 #include "ooc/mesh_emitter.h"
+#include "ooc/spilled_table.h"
 #include "ooc/text_cursor.h"
 
 namespace cuesta {
@@ -58,23 +59,34 @@ Keyword keyword(TextCursor& line) {
 
 class ObjReader {
  public:
-  explicit ObjReader(const ReadJob& job) : job_(job) {}
+  /// A third of the memory for vertex data; the corner map leaves an eighth for the caches of what was
+  /// spilled and for polygons.
+  explicit ObjReader(const ReadJob& job)
+      : job_(job),
+        positions_(job, "vertex positions"),
+        colours_(job, "colours"),
+        normals_(job, "normals"),
+        texcoords_(job, "texture coordinates"),
+        corner_map_(job.budget, job.budget.left() / 8) {
+    const std::uint64_t keep_free = job.budget.left() / 3 * 2;
+    positions_.keep_free(keep_free);
+    colours_.keep_free(keep_free);
+    normals_.keep_free(keep_free);
+    texcoords_.keep_free(keep_free);
+  }
 
   Result<ReadReport> read() {
-    CUESTA_TRY(count());
-    CUESTA_TRY(reserve());
     CUESTA_TRY(read_vertex_data());
     // Without vn and vt a vertex is its v, used or not; otherwise a vertex is a distinct corner of a face.
     const bool plain = normals_.empty() && texcoords_.empty();
     MeshEmitter out(
-        job_, {.normals = !normals_.empty(), .colours = has_colours_, .texcoords = !texcoords_.empty()});
+        job_, {.normals = !normals_.empty(), .colours = !colours_.empty(), .texcoords = !texcoords_.empty()});
+    out.set_positions(
+        [this](std::size_t corner, std::uint64_t) { return positions_.get(corners_[corner].v); });
     if (plain) {
       if (job_.expect) CUESTA_TRY(job_.expect(positions_.size(), face_lines_));
-      for (std::size_t i = 0; i < positions_.size(); ++i) CUESTA_TRY(out.vertex(vertex({i, none, none})));
-      out.set_positions([this](std::uint64_t i) { return positions_[i]; });
+      for (std::uint64_t i = 0; i < positions_.size(); ++i) CUESTA_TRY(emit({i, none, none}, out));
       out.set_vertex_count(positions_.size());
-    } else {
-      out.set_positions([this](std::uint64_t i) { return positions_[corner_positions_[i]]; });
     }
     CUESTA_TRY(read_faces(out, plain));
     return out.finish();
@@ -82,29 +94,6 @@ class ObjReader {
 
  private:
   static constexpr std::uint64_t none = ~std::uint64_t{0};  ///< the corner does not name one
-
-  Result<void> count() {
-    Statements statements(job_.bytes);
-    TextCursor line;
-    while (statements.next(line)) {
-      const Keyword word = keyword(line);
-      if (word == Keyword::v) ++position_lines_;
-      if (word == Keyword::vn) ++normal_lines_;
-      if (word == Keyword::vt) ++texcoord_lines_;
-      if (word == Keyword::f) ++face_lines_;
-    }
-    return {};
-  }
-
-  Result<void> reserve() {
-    CUESTA_TRY(job_.budget.charge(position_lines_, sizeof(Vec3d) + sizeof(Rgba8), "vertex positions"));
-    CUESTA_TRY(job_.budget.charge(normal_lines_, sizeof(Vec3f), "normals"));
-    CUESTA_TRY(job_.budget.charge(texcoord_lines_, sizeof(TexCoord), "texture coordinates"));
-    positions_.reserve(position_lines_);
-    normals_.reserve(normal_lines_);
-    texcoords_.reserve(texcoord_lines_);
-    return {};
-  }
 
   Result<void> read_vertex_data() {
     Statements statements(job_.bytes);
@@ -114,6 +103,8 @@ class ObjReader {
       if (word == Keyword::v) CUESTA_TRY(read_position(line));
       if (word == Keyword::vn) CUESTA_TRY(read_normal(line));
       if (word == Keyword::vt) CUESTA_TRY(read_texcoord(line));
+      if (word == Keyword::f) ++face_lines_;
+      job_.passed(statements.at());
       if (n % progress_lines == 0) CUESTA_TRY(job_.report_progress(byte(statements.at()) / 2));
     }
     return {};
@@ -137,42 +128,41 @@ class ObjReader {
     std::array<double, 7> v{};
     const std::size_t n = numbers(line, v);
     if (n < 3) return job_.corrupt_line(line.at, "expected three coordinates after \"v\"");
-    positions_.push_back({v[0], v[1], v[2]});
+    CUESTA_TRY(positions_.append({v[0], v[1], v[2]}));
     if (n < 6) return {};  // a fourth number is a weight of curves
-    if (!has_colours_) {
-      has_colours_ = true;
-      colours_.reserve(position_lines_);
-      colours_.assign(positions_.size() - 1, Rgba8{255, 255, 255, 255});
-    }
-    colours_.resize(positions_.size() - 1, Rgba8{255, 255, 255, 255});
-    colours_.push_back({colour_byte(v[3] * 255), colour_byte(v[4] * 255), colour_byte(v[5] * 255),
-                        n == 7 ? colour_byte(v[6] * 255) : std::uint8_t{255}});
-    return {};
+    while (colours_.size() + 1 < positions_.size()) CUESTA_TRY(colours_.append({255, 255, 255, 255}));
+    return colours_.append({colour_byte(v[3] * 255), colour_byte(v[4] * 255), colour_byte(v[5] * 255),
+                            n == 7 ? colour_byte(v[6] * 255) : std::uint8_t{255}});
   }
   Result<void> read_normal(TextCursor& line) {
     std::array<double, 3> v{};
     if (numbers(line, v) < 3) return job_.corrupt_line(line.at, "expected three components after \"vn\"");
-    normals_.push_back(vec_cast<float>(normalized(Vec3d{v[0], v[1], v[2]})));
-    return {};
+    return normals_.append(vec_cast<float>(normalized(Vec3d{v[0], v[1], v[2]})));
   }
   Result<void> read_texcoord(TextCursor& line) {
     std::array<double, 2> v{};
     if (numbers(line, v) < 1) return job_.corrupt_line(line.at, "expected coordinates after \"vt\"");
-    texcoords_.push_back({static_cast<float>(v[0]), static_cast<float>(v[1])});
-    return {};
+    return texcoords_.append({static_cast<float>(v[0]), static_cast<float>(v[1])});
   }
 
   struct Corner {
     std::uint64_t v, vt, vn;
   };
 
-  Vertex vertex(const Corner& c) const {
-    Vertex out;
-    out.position = positions_[c.v];
-    if (c.vn != none) out.normal = normals_[c.vn];
-    if (c.v < colours_.size()) out.colour = colours_[c.v];
-    if (c.vt != none) out.texcoord = texcoords_[c.vt];
-    return out;
+  template <class T>
+  static Result<void> look_up(SpilledTable<T>& table, std::uint64_t i, T& value) {
+    auto found = table.get(i);
+    if (!found) return fail(std::move(found).error());
+    value = *found;
+    return {};
+  }
+  Result<void> emit(const Corner& c, MeshEmitter& out) {
+    Vertex v;
+    CUESTA_TRY(look_up(positions_, c.v, v.position));
+    if (c.vn != none) CUESTA_TRY(look_up(normals_, c.vn, v.normal));
+    if (c.v < colours_.size()) CUESTA_TRY(look_up(colours_, c.v, v.colour));
+    if (c.vt != none) CUESTA_TRY(look_up(texcoords_, c.vt, v.texcoord));
+    return out.vertex(v);
   }
 
   Result<void> read_faces(MeshEmitter& out, bool plain) {
@@ -197,6 +187,7 @@ class ObjReader {
       }
       const std::uint64_t done = (job_.bytes.size() + byte(statements.at())) / 2;
       out.at_byte(done);
+      job_.passed(statements.at());
       if (n % progress_lines == 0) CUESTA_TRY(job_.report_progress(done));
     }
     return {};
@@ -228,7 +219,7 @@ class ObjReader {
 
   /// v, v/vt, v//vn or v/vt/vn; negative numbers count back from the last one defined above this line.
   Result<void> read_corner(TextCursor& line, Corner& corner, bool& in_range) {
-    const auto resolve = [&in_range](std::int64_t written, std::uint64_t seen, std::size_t size) {
+    const auto resolve = [&in_range](std::int64_t written, std::uint64_t seen, std::uint64_t size) {
       const std::uint64_t index =
           written > 0 ? static_cast<std::uint64_t>(written) - 1 : seen + static_cast<std::uint64_t>(written);
       if (written == 0 || index >= size) in_range = false;
@@ -252,36 +243,24 @@ class ObjReader {
   }
 
   Result<std::uint64_t> distinct_vertex(const Corner& corner, MeshEmitter& out) {
-    auto found = corner_map_.find_or_add({corner.v, corner.vt, corner.vn}, job_.budget);
-    if (!found) return fail(std::move(found).error());
-    if (found->is_new) {
-      if (corner_positions_.size() == corner_positions_.capacity()) CUESTA_TRY(grow_corner_positions());
-      corner_positions_.push_back(static_cast<std::uint32_t>(corner.v));
-      CUESTA_TRY(out.vertex(vertex(corner)));
-      out.set_vertex_count(corner_positions_.size());
+    const auto found = corner_map_.find_or_add({corner.v, corner.vt, corner.vn}, distinct_vertices_);
+    if (found.is_new) {
+      CUESTA_TRY(emit(corner, out));
+      out.set_vertex_count(++distinct_vertices_);
     }
-    return found->index;
-  }
-  Result<void> grow_corner_positions() {
-    const std::size_t old = corner_positions_.capacity();
-    CUESTA_TRY(job_.budget.charge(2 * old + 1024, sizeof(std::uint32_t), "vertices of faces"));
-    corner_positions_.reserve(2 * old + 1024);
-    job_.budget.release(old * sizeof(std::uint32_t));
-    return {};
+    return found.index;
   }
 
   const ReadJob& job_;
-  std::uint64_t position_lines_ = 0, normal_lines_ = 0, texcoord_lines_ = 0, face_lines_ = 0;
+  std::uint64_t face_lines_ = 0, distinct_vertices_ = 0;
   std::uint64_t seen_positions_ = 0, seen_normals_ = 0, seen_texcoords_ = 0;
-  bool has_colours_ = false;
-  std::vector<Vec3d> positions_;
-  std::vector<Rgba8> colours_;  ///< shorter than positions_ when the last ones have none
-  std::vector<Vec3f> normals_;
-  std::vector<TexCoord> texcoords_;
+  SpilledTable<Vec3d> positions_;
+  SpilledTable<Rgba8> colours_;  ///< shorter than positions_ when the last ones have none
+  SpilledTable<Vec3f> normals_;
+  SpilledTable<TexCoord> texcoords_;
   std::vector<Corner> corners_;
   std::vector<std::uint64_t> indices_;
   CornerMap corner_map_;
-  std::vector<std::uint32_t> corner_positions_;  ///< v of each distinct vertex, for polygons
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "ooc/mesh_emitter.h"
+#include "ooc/spilled_table.h"
 #include "ooc/text_cursor.h"
 
 namespace cuesta {
@@ -16,22 +17,21 @@ namespace {
 class OffReader {
  public:
   explicit OffReader(const ReadJob& job)
-      : job_(job), text_{job.bytes.data(), job.bytes.data() + job.bytes.size()} {}
+      : job_(job),
+        text_{job.bytes.data(), job.bytes.data() + job.bytes.size()},
+        positions_(job, "vertex positions") {}
 
   Result<ReadReport> read() {
     CUESTA_TRY(header());
     MeshEmitter out(job_, attributes_);
     out.set_vertex_count(vertex_count_);
-    CUESTA_TRY(job_.budget.charge(vertex_count_, sizeof(Vec3d), "vertex positions"));
     if (job_.expect) CUESTA_TRY(job_.expect(vertex_count_, face_count_));
-    positions_.reserve(vertex_count_);
+    positions_.keep_free(job_.budget.left() / 2);
     for (std::uint64_t i = 0; i < vertex_count_; ++i) CUESTA_TRY(vertex(out));
     CUESTA_TRY(out.flush_vertices());
-    out.set_positions([this](std::uint64_t i) { return positions_[i]; });
+    out.set_positions([this](std::size_t, std::uint64_t vertex) { return positions_.get(vertex); });
     for (std::uint64_t i = 0; i < face_count_; ++i) CUESTA_TRY(face(out));
-    auto report = out.finish();
-    job_.budget.release(vertex_count_ * sizeof(Vec3d));
-    return report;
+    return out.finish();
   }
 
  private:
@@ -123,7 +123,7 @@ class OffReader {
       if (!value) return fail(std::move(value).error());
       v.position[axis] = *value;
     }
-    positions_.push_back(v.position);
+    CUESTA_TRY(positions_.append(v.position));
     for (int axis = 0; attributes_.normals && axis < 3; ++axis) {
       auto value = real("a component of a normal");
       if (!value) return fail(std::move(value).error());
@@ -133,6 +133,7 @@ class OffReader {
     if (attributes_.colours || attributes_.texcoords) CUESTA_TRY(rest_of_vertex(v));
     text_.skip_line();
     out.at_byte(byte());
+    job_.passed(text_.at);
     return out.vertex(v);
   }
 
@@ -183,6 +184,7 @@ class OffReader {
     }
     text_.skip_line();
     out.at_byte(byte());
+    job_.passed(text_.at);
     return out.face(corners_);
   }
 
@@ -191,7 +193,7 @@ class OffReader {
   AttributeSet attributes_;
   std::uint64_t vertex_count_ = 0;
   std::uint64_t face_count_ = 0;
-  std::vector<Vec3d> positions_;
+  SpilledTable<Vec3d> positions_;
   std::vector<std::uint64_t> corners_;
 };
 

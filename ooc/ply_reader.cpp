@@ -7,14 +7,19 @@
 #include <algorithm>
 #include <array>
 
+#include "ooc/cached_file.h"
 #include "ooc/mesh_emitter.h"
 #include "ooc/ply_header.h"
 #include "ooc/ply_source.h"
+#include "ooc/spilled_table.h"
 
 namespace cuesta {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary files are read in place");
+
+/// What look-ups may hold of the file beside the memory that was allowed.
+constexpr std::uint64_t least_look_up_bytes = std::uint64_t{2} << 20;
 
 /// What the vertex properties mean: their index in the element, or -1.
 struct VertexRoles {
@@ -98,7 +103,8 @@ class PlyReader {
         header_(header),
         vertices_(vertices),
         roles_(roles_of(vertices)),
-        out_(job, roles_.attributes()) {}
+        out_(job, roles_.attributes()),
+        positions_(job, "vertex positions") {}
 
   Result<ReadReport> read() {
     if (roles_.position[0] < 0) return job_.corrupt_at(0, "the vertex element has no x, y and z");
@@ -186,6 +192,7 @@ class PlyReader {
       for (const PlyProperty& p : element.properties) {
         if (!skip_property(source, p)) return bad_row(source, element, i);
       }
+      job_.passed(source.at);
       CUESTA_TRY(tick(source, i));
     }
     return {};
@@ -252,25 +259,55 @@ class PlyReader {
       source.at += c.count * row;
       done += c.count;
       out_.at_byte(byte(source));
+      job_.passed(source.at);
       CUESTA_TRY(out_.commit_vertices(c.count));
     }
-    out_.set_positions([=, this](std::uint64_t i) {
-      Vec3d p;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t property = static_cast<std::size_t>(roles_.position[k]);
-        gather<swapped>(vertices_.properties[property].type, rows + i * row + offsets[property], row, 1,
-                        &p[static_cast<int>(k)], 1);
+    if (expected_faces() > 0) CUESTA_TRY(prepare_look_ups(rows, vertices_.count * row));
+    std::array<std::uint64_t, 3> at{};  // of x, y, z in a row
+    std::array<PlyType, 3> types{};
+    std::uint64_t past = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t property = static_cast<std::size_t>(roles_.position[k]);
+      at[k] = offsets[property];
+      types[k] = vertices_.properties[property].type;
+      past = std::max(past, at[k] + ply_bytes(types[k]));
+    }
+    const std::uint64_t first = std::min({at[0], at[1], at[2]});
+    look_up_.resize(past - first);
+    out_.set_positions([=, this](std::size_t, std::uint64_t i) -> Result<Vec3d> {
+      const char* from = rows + i * row + first;
+      if (look_ups_) {
+        CUESTA_TRY(look_ups_->read(static_cast<std::uint64_t>(from - job_.bytes.data()), look_up_));
+        from = look_up_.data();
       }
+      Vec3d p;
+      for (std::size_t k = 0; k < 3; ++k)
+        gather<swapped>(types[k], from + (at[k] - first), row, 1, &p[static_cast<int>(k)], 1);
       return p;
     });
+    return {};
+  }
+
+  /// Polygons look the positions of their vertices up: in the map, if all of these may stay in memory, else
+  /// in the file. A sink that holds the mesh itself is left more of the memory.
+  Result<void> prepare_look_ups(const char* rows, std::uint64_t row_bytes) {
+    if (!job_.file) return {};
+    const std::uint64_t share = job_.budget.left() / (job_.expect ? 8 : 2);
+    if (row_bytes <= least_look_up_bytes) return {};
+    if (row_bytes + 2 * MappedFile::fault_bytes <= share)
+      return job_.budget.charge(row_bytes + 2 * MappedFile::fault_bytes, 1, "bytes of vertices");
+    const std::uint64_t places = std::max(share, least_look_up_bytes) / CachedFile::default_page_bytes;
+    CUESTA_TRY(job_.budget.charge(share, 1, "bytes of vertices"));
+    look_ups_.emplace([this](std::uint64_t at, std::span<char> into) { return job_.file->read(at, into); },
+                      CachedFile::default_page_bytes, places);
+    look_ups_->set_bytes(static_cast<std::uint64_t>(rows - job_.bytes.data()) + row_bytes);
     return {};
   }
 
   /// Rows of text or with lists: positions are kept for polygons, if there are faces at all.
   Result<void> parse_vertices(Source& source) {
     const bool keep = expected_faces() > 0;
-    CUESTA_TRY(job_.budget.charge(keep ? vertices_.count : 0, sizeof(Vec3d), "vertex positions"));
-    if (keep) positions_.reserve(vertices_.count);
+    positions_.keep_free(job_.budget.left() / 2);
     std::vector<double> values(vertices_.properties.size());
     for (std::uint64_t i = 0; i < vertices_.count; ++i) {
       for (std::size_t k = 0; k < values.size(); ++k) {
@@ -279,11 +316,12 @@ class PlyReader {
         if (!good) return bad_row(source, vertices_, i);
       }
       const Vertex v = vertex_of(values);
-      if (keep) positions_.push_back(v.position);
+      if (keep) CUESTA_TRY(positions_.append(v.position));
       out_.at_byte(byte(source));
+      job_.passed(source.at);
       CUESTA_TRY(out_.vertex(v));
     }
-    out_.set_positions([this](std::uint64_t i) { return positions_[i]; });
+    out_.set_positions([this](std::size_t, std::uint64_t vertex) { return positions_.get(vertex); });
     return {};
   }
 
@@ -324,6 +362,7 @@ class PlyReader {
         }
         CUESTA_TRY(is_face(element) ? read_face(source, p.type, count) : read_strip(source, p.type, count));
       }
+      job_.passed(source.at);
       CUESTA_TRY(tick(source, i));
     }
     return {};
@@ -371,6 +410,7 @@ class PlyReader {
       }
       last = {last[1], c};
       ++held;
+      job_.passed(source.at);
       CUESTA_TRY(tick(source, static_cast<std::uint64_t>(k)));
     }
     return {};
@@ -381,7 +421,9 @@ class PlyReader {
   const PlyElement& vertices_;
   VertexRoles roles_;
   MeshEmitter out_;
-  std::vector<Vec3d> positions_;
+  std::optional<CachedFile> look_ups_;
+  std::vector<char> look_up_;      ///< x, y and z of a row, with what is between them
+  SpilledTable<Vec3d> positions_;  ///< of rows that are not in the map one by one
   std::vector<std::uint64_t> corners_;
 };
 

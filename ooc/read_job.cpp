@@ -23,7 +23,12 @@ tl::unexpected<Error> ReadJob::corrupt_at(std::uint64_t byte, std::string messag
 }
 
 tl::unexpected<Error> ReadJob::corrupt_line(const char* position, std::string message) const {
-  const auto line = 1 + std::count(bytes.data(), position, '\n');
+  std::uint64_t line = 1;
+  for (const char* at = bytes.data(); at != position;) {
+    const char* next = at + std::min<std::ptrdiff_t>(position - at, MapWindow::step_bytes);
+    line += static_cast<std::uint64_t>(std::count(at, next, '\n'));
+    passed(at = next);
+  }
   return error(ErrorCode::corrupt, fmt::format("line {}", line), std::move(message));
 }
 
@@ -31,7 +36,7 @@ Result<void> ReadJob::report_progress(std::uint64_t bytes_done) const {
   if (progress && !progress(std::min<std::uint64_t>(bytes_done, bytes.size()), bytes.size())) {
     return error(ErrorCode::cancelled, "", "reading was cancelled");
   }
-  return {};
+  return file ? file->check_unchanged() : Result<void>{};
 }
 
 std::string quote_word(std::string_view word) {

@@ -1,5 +1,5 @@
 #pragma once
-/// What every mesh reader is given: the mapped file, where its blocks go, and what it may allocate.
+/// What every mesh reader is given: the mapped file, where its blocks go, and what it may hold.
 
 #include <cstdint>
 #include <filesystem>
@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "ooc/map_window.h"
 #include "ooc/mesh_reader.h"
 #include "ooc/result.h"
 
@@ -44,6 +45,14 @@ struct ReadJob {
   ReadBudget& budget;
   const ReadProgress& progress;
   Expect expect;
+  std::filesystem::path temp = {};   ///< folder for what does not fit the budget, as for temp_folder()
+  const MappedFile* file = nullptr;  ///< behind `bytes`; none: they are ordinary memory
+  MapWindow* window = nullptr;       ///< over `file`
+
+  /// A reader calls it for every row, line or facet, so that what it has read does not stay in memory.
+  void passed(const char* at) const {
+    if (window) window->passed(at);
+  }
 
   tl::unexpected<Error> error(ErrorCode code, std::string place, std::string message) const {
     return fail(code, path.string(), std::move(place), std::move(message));
@@ -51,6 +60,7 @@ struct ReadJob {
   tl::unexpected<Error> corrupt_at(std::uint64_t byte, std::string message) const;
   /// As corrupt_at, with the line number of `position` in a text file.
   tl::unexpected<Error> corrupt_line(const char* position, std::string message) const;
+  /// @error cancelled; io if the file was changed meanwhile.
   Result<void> report_progress(std::uint64_t bytes_done) const;
 };
 

@@ -31,8 +31,9 @@ class AsciiStl {
       : job_(job), text_{job.bytes.data(), job.bytes.data() + job.bytes.size()}, out_(job, {}) {}
 
   Result<ReadReport> read() {
-    out_.set_positions([this](std::uint64_t i) { return loop_[i - first_]; });
+    out_.set_positions([this](std::size_t corner, std::uint64_t) { return loop_[corner]; });
     while (!text_.done()) {
+      job_.passed(text_.at);
       text_.skip_spaces();
       const std::string_view word = text_.word();
       if (equal_word(word, "vertex")) {
@@ -111,6 +112,7 @@ Result<ReadReport> read_stl_binary(const ReadJob& job) {
     std::array<float, 9> c;
     std::memcpy(c.data(), job.bytes.data() + byte + 12, sizeof c);
     out.at_byte(byte + facet_bytes);
+    job.passed(job.bytes.data() + byte);
     for (std::size_t k = 0; k < 9; k += 3) {
       CUESTA_TRY(out.vertex({.position = {c[k], c[k + 1], c[k + 2]}, .normal = {}, .texcoord = {}}));
     }

@@ -100,6 +100,18 @@ Result<void> TempFile::write(std::span<const char> bytes) {
   return {};
 }
 
+Result<void> TempFile::read(std::uint64_t offset, std::span<char> bytes) const {
+  while (!bytes.empty()) {
+    const ssize_t n = ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return os_error(folder_, "cannot read a temporary file");
+    if (n == 0) return fail(ErrorCode::io, folder_.string(), "", "a temporary file ends too early");
+    offset += static_cast<std::uint64_t>(n);
+    bytes = bytes.subspan(static_cast<std::size_t>(n));
+  }
+  return {};
+}
+
 Result<MappedFile> TempFile::map() const {
   return MappedFile::map(descriptor_, folder_);
 }

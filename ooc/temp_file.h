@@ -13,7 +13,8 @@ namespace cuesta {
 /// `folder`, or where that is empty TMPDIR, or else /tmp. Beware: /tmp may be memory.
 std::filesystem::path temp_folder(const std::filesystem::path& folder);
 
-/// Sequential writer. Leaves spare_bytes of the disk free, as a full disk hurts every program on it.
+/// Written in order, read back as a map or piece by piece. Leaves spare_bytes of the disk free, as a full
+/// disk hurts every program on it.
 class TempFile {
  public:
   static constexpr std::uint64_t spare_bytes = std::uint64_t{64} << 20;
@@ -28,6 +29,8 @@ class TempFile {
   Result<void> expect(std::uint64_t bytes) const;
   /// @error out_of_budget: the disk is full; io.
   Result<void> write(std::span<const char> bytes);
+  /// What was written at `offset`, into all of `bytes`. @error io, also beyond what was written.
+  Result<void> read(std::uint64_t offset, std::span<char> bytes) const;
   /// What was written, as memory. The file lives as long as the map.
   Result<MappedFile> map() const;
   std::uint64_t bytes_written() const { return written_; }
