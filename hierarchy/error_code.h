@@ -21,11 +21,18 @@ constexpr float decode_error(ErrorCode8 code) {
   return static_cast<float>(mantissa) * std::bit_cast<float>((exponent + 127u - 9u) << 23);
 }
 
-/// Smallest code whose value is ≥ error; saturates at 255 (2^26 grid units and more: beyond any extent in
-/// use).
+/// The smallest error that is not zero: twice what snapping to the grid moves a point (Grid::snap_error, half
+/// the diagonal of a step), rounded up. A smaller one says less about the original than the grid hides, and
+/// no cut of a larger τ is another for it. Zero stays zero: what is flat on the grid may go at once.
+inline constexpr ErrorCode8 least_error_code = 54;
+static_assert(decode_error(least_error_code) >= 1.7320509f &&
+              decode_error(least_error_code - 1) < 1.7320508f);
+
+/// Smallest code whose value is ≥ error, 0 for 0 and else at least least_error_code; saturates at 255 (2^26
+/// grid units and more: beyond any extent in use).
 constexpr ErrorCode8 encode_error_up(float error) {
   if (!(error > 0)) return 0;
-  std::uint32_t low = 1, high = 255;
+  std::uint32_t low = least_error_code, high = 255;
   while (low < high) {
     const std::uint32_t middle = (low + high) / 2;
     if (decode_error(static_cast<ErrorCode8>(middle)) >= error)

@@ -41,6 +41,10 @@ using PageStreamBytes = std::array<std::uint64_t, page_stream_count>;
 /// @pre triangles are smallest_first, fans and children index vertices, owned arrays match the script.
 std::vector<std::byte> encode_page(const Page& page, PageStreamBytes* spent = nullptr);
 
+/// The stored size of each stream of an encoded page, as encode_page counts them: nothing is unpacked.
+/// @error corrupt, unsupported_version.
+Result<PageStreamBytes> bytes_per_stream(std::span<const std::byte> page);
+
 /// No page has more vertices, triangles or children than this.
 inline constexpr std::uint32_t max_page_elements = 1u << 22;
 

