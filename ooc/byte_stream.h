@@ -30,9 +30,6 @@ class ByteWriter {
     }
     bytes_.push_back(static_cast<std::byte>(v));
   }
-  void put_signed_varint(std::int64_t v) {
-    put_varint((static_cast<std::uint64_t>(v) << 1) ^ static_cast<std::uint64_t>(v >> 63));
-  }
   std::size_t size() const { return bytes_.size(); }
   std::span<const std::byte> bytes() const { return bytes_; }
   std::vector<std::byte> take() { return std::move(bytes_); }
@@ -71,10 +68,6 @@ class ByteReader {
     }
     ok_ = false;
     return 0;
-  }
-  std::int64_t get_signed_varint() {
-    const std::uint64_t v = get_varint();
-    return static_cast<std::int64_t>(v >> 1) ^ -static_cast<std::int64_t>(v & 1);
   }
   bool ok() const { return ok_; }
   bool at_end() const { return ok_ && at_ == bytes_.size(); }

@@ -7,6 +7,7 @@
 
 #include "apps/cuesta/open_cut.h"
 #include "apps/cuesta/text_forms.h"
+#include "hierarchy/page_codec.h"
 
 namespace cuesta::app {
 namespace {
@@ -34,6 +35,56 @@ std::vector<Round> rounds_of(const Directory& d) {
     r.bytes += e.block.bytes;
   }
   return rounds;
+}
+
+/// What a file's bytes are spent on. Reads all of it.
+struct Spent {
+  PageStreamBytes streams{};
+  std::uint64_t directory = 0;
+  std::uint64_t rest = 0;  ///< header, the pages' counts, alignment
+};
+
+Result<Spent> spent_in(const CuestaFile& file) {
+  const auto container = ContainerReader::open(file.path());
+  if (!container) return fail(container.error());
+  Spent spent;
+  spent.directory = container->directory().bytes;
+  spent.rest = file.file_bytes() - spent.directory;
+  for (PageId id = 0; id < file.directory().pages.size(); ++id) {
+    const auto bytes = container->read(file.directory().pages[id].block);
+    if (!bytes) return fail(bytes.error());
+    auto streams = bytes_per_stream(*bytes);
+    if (!streams) {
+      streams.error().file = file.path().string();
+      streams.error().place = "page " + std::to_string(id);
+      return fail(streams.error());
+    }
+    for (std::size_t s = 0; s < page_stream_count; ++s) {
+      spent.streams[s] += (*streams)[s];
+      spent.rest -= (*streams)[s];
+    }
+  }
+  return spent;
+}
+
+/// Name and bytes of everything that has any.
+std::vector<std::pair<std::string, std::uint64_t>> rows_of(const Spent& spent) {
+  std::vector<std::pair<std::string, std::uint64_t>> rows;
+  for (std::size_t s = 0; s < page_stream_count; ++s)
+    rows.emplace_back(name(static_cast<PageStream>(s)), spent.streams[s]);
+  rows.emplace_back("directory", spent.directory);
+  rows.emplace_back("headers, gaps", spent.rest);
+  std::erase_if(rows, [](const auto& row) { return row.second == 0; });
+  return rows;
+}
+
+double per_triangle(std::uint64_t bytes, const Directory& d) {
+  return d.triangles == 0 ? 0 : static_cast<double>(bytes) / static_cast<double>(d.triangles);
+}
+
+/// World units: no substitution has a smaller error, but for zero.
+double least_error(const Directory& d) {
+  return static_cast<double>(decode_error(least_error_code)) * d.grid.step;
 }
 
 ordered_json json_of(Vec3d v) {
@@ -78,7 +129,7 @@ std::string dump(const ordered_json& json, int indent) {
   return json.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
 }
 
-std::string json_text(const CuestaFile& file, bool pages) {
+std::string json_text(const CuestaFile& file, const Spent& spent, bool pages) {
   const Directory& d = file.directory();
   const Box3d box = world_box(d);
   ordered_json json;
@@ -89,12 +140,15 @@ std::string json_text(const CuestaFile& file, bool pages) {
   json["bounds"] = {{"lo", json_of(box.lo)}, {"hi", json_of(box.hi)}};
   json["grid"] = {{"origin", json_of(d.grid.origin)}, {"step", d.grid.step}};
   json["snapping_error"] = snapping_error(d);
+  json["least_error"] = least_error(d);
   json["attributes"] = {
       {"normals", d.has_normals}, {"colours", d.has_colours}, {"texcoords", d.has_texcoords}};
   json["page_count"] = d.pages.size();
   json["rounds"] = ordered_json::array();
   const auto rounds = rounds_of(d);
   for (std::size_t r = 0; r < rounds.size(); ++r) json["rounds"].push_back(json_of(rounds[r], r));
+  for (const auto& [what, bytes] : rows_of(spent))
+    json["bytes"][what] = {{"bytes", bytes}, {"per_triangle", per_triangle(bytes, d)}};
   if (pages) json["pages"] = ordered_json::array();
   for (PageId id = 0; pages && id < d.pages.size(); ++id)
     json["pages"].push_back(json_of(d.pages[id], id, d.grid));
@@ -110,6 +164,15 @@ void print_rounds(const Directory& d) {
     fmt::print("{:>6}{:>8}{:>14}{:>14}{:>12}{:>14.4g}{:>14.4g}\n", r, rounds[r].pages,
                with_commas(rounds[r].triangles), with_commas(rounds[r].owned_triangles),
                byte_count(rounds[r].bytes), rounds[r].least_error, rounds[r].largest_error);
+}
+
+void print_spent(const CuestaFile& file, const Spent& spent) {
+  const Directory& d = file.directory();
+  fmt::print("\n{:<18}{:>14}{:>14}\n", "spent on", "bytes", "per triangle");
+  for (const auto& [what, bytes] : rows_of(spent))
+    fmt::print("{:<18}{:>14}{:>14.3f}\n", what, with_commas(bytes), per_triangle(bytes, d));
+  fmt::print("{:<18}{:>14}{:>14.3f}\n", "total", with_commas(file.file_bytes()),
+             per_triangle(file.file_bytes(), d));
 }
 
 void print_pages(const Directory& d) {
@@ -131,7 +194,7 @@ std::string attribute_words(const Directory& d) {
   return d.has_texcoords ? words + ", texture coordinates" : words;
 }
 
-void print_text(const CuestaFile& file, bool pages) {
+void print_text(const CuestaFile& file, const Spent& spent, bool pages) {
   const Directory& d = file.directory();
   const Box3d box = world_box(d);
   fmt::print("{}: {}\n", file.path().string(), byte_count(file.file_bytes()));
@@ -141,7 +204,9 @@ void print_text(const CuestaFile& file, bool pages) {
              box.hi.x, box.hi.y, box.hi.z);
   fmt::print("  grid step   {:.6g}: vertices are within {:.3g} of where they were\n", d.grid.step,
              snapping_error(d));
+  fmt::print("  errors      0, or at least {:.3g}\n", least_error(d));
   print_rounds(d);
+  print_spent(file, spent);
   if (pages) print_pages(d);
   fmt::print("\nmetadata: {}\n", dump(metadata_of(d), 2));
 }
@@ -151,10 +216,12 @@ void print_text(const CuestaFile& file, bool pages) {
 Result<void> run_info(const InfoSettings& settings) {
   const auto file = CuestaFile::open(settings.file);
   if (!file) return fail(file.error());
+  const auto spent = spent_in(*file);
+  if (!spent) return fail(spent.error());
   if (settings.json)
-    fmt::print("{}", json_text(*file, settings.pages));
+    fmt::print("{}", json_text(*file, *spent, settings.pages));
   else
-    print_text(*file, settings.pages);
+    print_text(*file, *spent, settings.pages);
   return {};
 }
 
