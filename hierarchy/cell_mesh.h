@@ -16,6 +16,9 @@ struct Birth {
   Sphere sphere;
 };
 
+/// A triangle takes at most this many samples from one round into the next; which, SampleChoice says.
+inline constexpr std::uint32_t max_triangle_samples = 32;
+
 /// Samples of the original surface that triangles stand for: sample i of triangle t is
 /// points[begin[t] + i], grid units. `begin` has one element more than there are triangles.
 struct TriangleSamples {
@@ -63,7 +66,7 @@ struct Script {
 };
 
 /// What is left of a cell: surviving triangles (ascending local numbers) with their corners, births and
-/// samples.
+/// samples, at most max_triangle_samples each.
 struct CellSurvivors {
   std::vector<std::uint32_t> triangles;
   std::vector<std::array<std::uint32_t, 3>> corners;

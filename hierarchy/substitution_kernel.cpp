@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "hierarchy/sample_choice.h"
 #include "ooc/check.h"
 
 namespace cuesta {
@@ -159,8 +160,10 @@ void SubstitutionKernel::adopt_samples(const TriangleSamples& samples) {
   for (const Vec3i& p : samples.points) sample_arena_.push_back(vec_cast<float>(p - origin_));
   live_samples_ = sample_arena_.size();
   if (samples.begin.empty()) return;
-  for (TriangleId t = 0; t < corners_.size(); ++t)
+  for (TriangleId t = 0; t < corners_.size(); ++t) {
     samples_[t] = {samples.begin[t], samples.begin[t + 1] - samples.begin[t]};
+    chosen_ |= samples_[t].count >= max_triangle_samples;
+  }
 }
 
 std::uint32_t SubstitutionKernel::next_stamp() {
@@ -414,7 +417,7 @@ float SubstitutionKernel::measure(PointId u, PointId v) {
   collect_samples();
   choose_targets(u, v);
   measure_targets(u, v);
-  return std::max(batch_.worst_bound(), closed_hole_);
+  return std::max(worst_bound(), closed_hole_);
 }
 
 float SubstitutionKernel::measure_absorption(std::span<const PointId> members, PointId v) {
@@ -427,7 +430,13 @@ float SubstitutionKernel::measure_absorption(std::span<const PointId> members, P
   collect_samples();
   targets_.assign(star(v).begin(), star(v).end());
   measure_targets(none, none);
-  return batch_.worst_bound();
+  return worst_bound();
+}
+
+/// Where samples have been left out, what is measured gets a margin.
+float SubstitutionKernel::worst_bound() const {
+  const float bound = batch_.worst_bound();
+  return chosen_ ? bound * (1 + chosen_samples_margin) : bound;
 }
 
 float SubstitutionKernel::birth_error() const {
@@ -597,17 +606,24 @@ void SubstitutionKernel::rebirth(std::span<const TriangleId> changed, const Birt
 
 CellSurvivors SubstitutionKernel::survivors() const {
   CellSurvivors out;
+  out.triangles.reserve(live_triangles_);
+  out.corners.reserve(live_triangles_);
+  out.births.reserve(live_triangles_);
+  out.samples.begin.reserve(live_triangles_ + 1);
   out.samples.begin.push_back(0);
+  SampleChoice choice;
+  std::vector<Vec3f> samples;
   for (TriangleId t = 0; t < corners_.size(); ++t) {
     if (!alive_[t]) continue;
+    const auto& c = corners_[t];
     out.triangles.push_back(t);
-    if (!wedges_.empty())
-      out.corners.push_back(wedges_[t]);
-    else
-      out.corners.push_back(corners_[t]);
+    out.corners.push_back(wedges_.empty() ? c : wedges_[t]);
     out.births.push_back(births_[t]);
-    for (std::uint32_t i = 0; i < samples_[t].count; ++i)
-      out.samples.points.push_back(vec_cast<std::int32_t>(sample_arena_[samples_[t].begin + i]) + origin_);
+    const auto first = sample_arena_.begin() + samples_[t].begin;
+    samples.assign(first, first + samples_[t].count);
+    samples.resize(
+        choice.keep(samples, {position_[c[0]], position_[c[1]], position_[c[2]]}, max_triangle_samples));
+    for (const Vec3f& p : samples) out.samples.points.push_back(vec_cast<std::int32_t>(p) + origin_);
     out.samples.begin.push_back(static_cast<std::uint32_t>(out.samples.points.size()));
   }
   return out;
