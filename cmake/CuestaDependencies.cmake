@@ -14,6 +14,7 @@ pkg_check_modules(PNG REQUIRED IMPORTED_TARGET libpng)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED CONFIG)
 find_package(meshoptimizer REQUIRED CONFIG)
+include(CuestaOpenVDB)
 find_path(NANOFLANN_INCLUDE_DIR nanoflann.hpp REQUIRED)  # header only, used in one source file
 if(CUESTA_TESTS)
   find_package(GTest REQUIRED)

@@ -18,5 +18,5 @@ install(EXPORT cuesta-targets NAMESPACE cuesta:: DESTINATION ${package_dir})
 configure_package_config_file(cmake/cuesta-config.cmake.in ${PROJECT_BINARY_DIR}/cuesta-config.cmake
   INSTALL_DESTINATION ${package_dir} NO_SET_AND_CHECK_MACRO)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/cuesta-config-version.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/cuesta-config.cmake ${PROJECT_BINARY_DIR}/cuesta-config-version.cmake
+install(FILES cmake/CuestaOpenVDB.cmake ${PROJECT_BINARY_DIR}/cuesta-config.cmake ${PROJECT_BINARY_DIR}/cuesta-config-version.cmake
   DESTINATION ${package_dir})

@@ -135,7 +135,8 @@ Result<std::vector<std::uint64_t>> file_sizes(std::span<const std::filesystem::p
 }  // namespace
 
 Result<LoadedMeshes> load_meshes(std::span<const std::filesystem::path> paths, std::uint64_t memory_bytes,
-                                 const ReadProgress& progress, const std::filesystem::path& temp) {
+                                 const ReadProgress& progress, const std::filesystem::path& temp,
+                                 const VolumeOptions& volume) {
   const auto sizes = file_sizes(paths);
   if (!sizes) return fail(sizes.error());
   const std::uint64_t total = std::accumulate(sizes->begin(), sizes->end(), std::uint64_t{0});
@@ -148,8 +149,9 @@ Result<LoadedMeshes> load_meshes(std::span<const std::filesystem::path> paths, s
     const ReadProgress within = [&](std::uint64_t done, std::uint64_t) {
       return !progress || progress(std::min(before + done, total), total);
     };
-    auto report = read_into(path, sink, budget, within, temp,
-                            [&sink](std::uint64_t v, std::uint64_t t) { return sink.expect(v, t); });
+    auto report = read_into(
+        path, sink, budget, within, temp,
+        [&sink](std::uint64_t v, std::uint64_t t) { return sink.expect(v, t); }, volume);
     if (!report) return fail(std::move(report).error());
     budget.keep(sink.held_bytes());
     loaded.files.push_back(*report);
@@ -163,8 +165,8 @@ Result<LoadedMeshes> load_meshes(std::span<const std::filesystem::path> paths, s
 
 Result<SurfaceMesh> load_mesh(const std::filesystem::path& path, std::uint64_t memory_bytes,
                               ReadReport* report, const ReadProgress& progress,
-                              const std::filesystem::path& temp) {
-  auto loaded = load_meshes({&path, 1}, memory_bytes, progress, temp);
+                              const std::filesystem::path& temp, const VolumeOptions& volume) {
+  auto loaded = load_meshes({&path, 1}, memory_bytes, progress, temp, volume);
   if (!loaded) return fail(std::move(loaded).error());
   if (report) *report = loaded->files.front();
   return std::move(loaded->mesh);

@@ -12,6 +12,7 @@
 #include "ooc/read_job.h"
 #include "ooc/text_cursor.h"
 #include "ooc/unpacked_file.h"
+#include "ooc/vdb_directory.h"
 
 namespace cuesta {
 namespace {
@@ -52,6 +53,7 @@ Reader reader_by_content(std::span<const char> bytes) {
   if (start.starts_with("ply\n") || start.starts_with("ply\r")) return read_ply;
   if (start.starts_with("glTF")) return read_gltf;
   if (start.starts_with("DRACO")) return read_draco;
+  if (is_vdb(bytes)) return read_vdb;
   if (is_sized_like_binary_stl(bytes)) return read_stl_binary;
   const std::string_view word = first_word(bytes);
   if (is_off_keyword(word)) return read_off;
@@ -68,6 +70,7 @@ Reader reader_by_extension(const std::filesystem::path& path) {
   if (extension == ".off") return read_off;
   if (extension == ".gltf" || extension == ".glb") return read_gltf;
   if (extension == ".drc") return read_draco;
+  if (extension == ".vdb") return read_vdb;
   return nullptr;
 }
 
@@ -79,7 +82,7 @@ Result<ReadReport> read_bytes(const ReadJob& job, const std::filesystem::path& n
   if (!reader) {
     return job.error(
         ErrorCode::unsupported_version, "byte 0",
-        "not a mesh format known here; PLY, OBJ, STL, OFF, glTF, GLB and Draco (.drc) files can be read");
+        "not a format known here; PLY, OBJ, STL, OFF, glTF, GLB, Draco (.drc) and OpenVDB files can be read");
   }
   try {
     return reader(job);
@@ -110,7 +113,7 @@ Result<ReadReport> read_compressed(const ReadJob& job, Compression compression,
            job.progress(half + static_cast<std::uint64_t>(part * static_cast<double>(packed_bytes - half)),
                         packed_bytes);
   };
-  ReadJob inner{job.path, file->bytes(), job.sink, job.budget, reading, job.expect};
+  ReadJob inner{job.path, file->bytes(), job.sink, job.budget, reading, job.expect, job.volume};
   inner.temp = temp;
   inner.file = &*file;
   inner.window = &window;
@@ -122,12 +125,13 @@ Result<ReadReport> read_compressed(const ReadJob& job, Compression compression,
 }  // namespace
 
 Result<ReadReport> read_into(const std::filesystem::path& path, MeshSink& sink, ReadBudget& budget,
-                             const ReadProgress& progress, const std::filesystem::path& temp, Expect expect) {
+                             const ReadProgress& progress, const std::filesystem::path& temp, Expect expect,
+                             const VolumeOptions& volume) {
   auto file = MappedFile::open(path);
   if (!file) return fail(std::move(file).error());
   file->advise_sequential();
   MapWindow window(*file);
-  ReadJob job{path, file->bytes(), sink, budget, progress, std::move(expect)};
+  ReadJob job{path, file->bytes(), sink, budget, progress, std::move(expect), volume};
   job.temp = temp;
   job.file = &*file;
   job.window = &window;
@@ -141,9 +145,10 @@ Result<ReadReport> read_into(const std::filesystem::path& path, MeshSink& sink, 
 }
 
 Result<ReadReport> read_mesh(const std::filesystem::path& path, MeshSink& sink, std::uint64_t memory_bytes,
-                             const ReadProgress& progress, const std::filesystem::path& temp) {
+                             const ReadProgress& progress, const std::filesystem::path& temp,
+                             const VolumeOptions& volume) {
   ReadBudget budget(memory_bytes);
-  return read_into(path, sink, budget, progress, temp, {});
+  return read_into(path, sink, budget, progress, temp, {}, volume);
 }
 
 }  // namespace cuesta

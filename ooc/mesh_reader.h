@@ -1,6 +1,7 @@
 #pragma once
 /// Mesh files in: PLY (ascii, both binary orders, tristrips), OBJ, STL (both), OFF, glTF/GLB (Draco and
 /// meshopt too), bare Draco (.drc); each of them also inside gzip or Zstandard (scan.ply.gz, scan.obj.zst).
+/// Volumes too: a surface of an OpenVDB grid, meshed block by block.
 /// A reader streams blocks into a sink, so a file larger than memory can be read in one pass.
 
 #include <array>
@@ -12,6 +13,7 @@
 
 #include "ooc/result.h"
 #include "ooc/surface_mesh.h"
+#include "ooc/volume_options.h"
 
 namespace cuesta {
 
@@ -64,6 +66,8 @@ using ReadProgress = std::function<bool(std::uint64_t bytes_done, std::uint64_t 
 /// STL gives three vertices per facet and no normals; OBJ a vertex per distinct v/vt/vn, several with the
 /// same values where the triples do not fit the memory (or are numbered from 2^32 on); glTF one copy of a
 /// mesh per node that shows it, in world coordinates, colours as sRGB and texture coordinates with v up.
+/// OpenVDB gives the vertices on the border of blocks again in each block, bit by bit the same: welding them
+/// closes the surface. Its memory is the tree of the grid without values, and one block.
 /// @error not_found, io; corrupt or unsupported_version with line or byte; out_of_budget before a count in
 /// the
 ///        file makes it allocate more; cancelled; io if a file changes while it is read (but see MappedFile).
@@ -71,13 +75,14 @@ using ReadProgress = std::function<bool(std::uint64_t bytes_done, std::uint64_t 
 ///        of mapped files included, for any size of the input (for hostile Draco data see draco_mesh.h; a
 ///        single line, or a gap between two numbers, is resident as a whole).
 Result<ReadReport> read_mesh(const std::filesystem::path& path, MeshSink& sink, std::uint64_t memory_bytes,
-                             const ReadProgress& progress = {}, const std::filesystem::path& temp = {});
+                             const ReadProgress& progress = {}, const std::filesystem::path& temp = {},
+                             const VolumeOptions& volume = {});
 
 /// Reads a whole file into memory. @error as read_mesh; out_of_budget above 2^32 - 2 vertices or
 /// `memory_bytes`.
 Result<SurfaceMesh> load_mesh(const std::filesystem::path& path, std::uint64_t memory_bytes,
                               ReadReport* report = nullptr, const ReadProgress& progress = {},
-                              const std::filesystem::path& temp = {});
+                              const std::filesystem::path& temp = {}, const VolumeOptions& volume = {});
 
 /// Vertices of files without an attribute that another file has. All zero for one file.
 struct MissingAttributes {
@@ -97,6 +102,7 @@ struct LoadedMeshes {
 /// @param progress  over the bytes of all files together.
 /// @error as load_mesh(); that a file is missing is found before the first is read.
 Result<LoadedMeshes> load_meshes(std::span<const std::filesystem::path> paths, std::uint64_t memory_bytes,
-                                 const ReadProgress& progress = {}, const std::filesystem::path& temp = {});
+                                 const ReadProgress& progress = {}, const std::filesystem::path& temp = {},
+                                 const VolumeOptions& volume = {});
 
 }  // namespace cuesta

@@ -45,6 +45,7 @@ struct ReadJob {
   ReadBudget& budget;
   const ReadProgress& progress;
   Expect expect;
+  VolumeOptions volume = {};
   std::filesystem::path temp = {};   ///< folder for what does not fit the budget, as for temp_folder()
   const MappedFile* file = nullptr;  ///< behind `bytes`; none: they are ordinary memory
   MapWindow* window = nullptr;       ///< over `file`
@@ -69,7 +70,8 @@ std::string quote_word(std::string_view word);
 
 /// Any format, compressed or not: recognises it, calls its reader. Parameters and errors as read_mesh().
 Result<ReadReport> read_into(const std::filesystem::path& path, MeshSink& sink, ReadBudget& budget,
-                             const ReadProgress& progress, const std::filesystem::path& temp, Expect expect);
+                             const ReadProgress& progress, const std::filesystem::path& temp, Expect expect,
+                             const VolumeOptions& volume = {});
 
 // One per format; the caller has recognised the format. None throws.
 Result<ReadReport> read_ply(const ReadJob& job);
@@ -79,5 +81,6 @@ Result<ReadReport> read_stl_binary(const ReadJob& job);
 Result<ReadReport> read_off(const ReadJob& job);
 Result<ReadReport> read_gltf(const ReadJob& job);
 Result<ReadReport> read_draco(const ReadJob& job);
+Result<ReadReport> read_vdb(const ReadJob& job);
 
 }  // namespace cuesta
