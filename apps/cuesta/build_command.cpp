@@ -73,7 +73,7 @@ Result<GridMesh> read_and_clean(const BuildSettings& s, BuildFacts& facts, Progr
   const auto reading = [&](std::uint64_t done, std::uint64_t total) {
     return progress.update("read", Unit::bytes, done, total);
   };
-  auto loaded = load_meshes(s.inputs, s.memory_bytes, reading, s.temp);
+  auto loaded = load_meshes(s.inputs, s.memory_bytes, reading, s.temp, s.volume);
   if (!loaded) return fail(loaded.error());
   note_reading(*loaded, facts);
   SurfaceMesh mesh = std::move(loaded->mesh);

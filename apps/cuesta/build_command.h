@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ooc/result.h"
+#include "ooc/volume_options.h"
 
 namespace cuesta::app {
 
@@ -16,6 +17,7 @@ struct BuildSettings {
   std::uint64_t memory_bytes = 0;  ///< 0: three quarters of the machine's
   double step = 0;                 ///< grid step in world units; 0 chooses
   std::uint32_t cell_triangles = 1u << 15;
+  VolumeOptions volume;      ///< of inputs that are volumes
   bool make_normals = true;  ///< where the input has none
   bool force = false;        ///< build also when the output is up to date
   bool quiet = false;

@@ -85,10 +85,22 @@ nlohmann::ordered_json as_json(const std::vector<Count>& counts) {
   return object;
 }
 
+/// What was asked for only: files of builds without volumes know nothing of them.
+nlohmann::ordered_json volume_of(const VolumeOptions& volume) {
+  nlohmann::ordered_json object = nlohmann::ordered_json::object();
+  if (!volume.grid.empty()) object["grid"] = volume.grid;
+  if (volume.iso) object["iso"] = *volume.iso;
+  if (volume.adaptivity > 0) object["adaptivity"] = volume.adaptivity;
+  return object;
+}
+
 nlohmann::ordered_json options_of(const BuildSettings& settings) {
-  return {{"cell_triangles", settings.cell_triangles},
-          {"make_normals", settings.make_normals},
-          {"step", settings.step}};
+  nlohmann::ordered_json options{{"cell_triangles", settings.cell_triangles},
+                                 {"make_normals", settings.make_normals},
+                                 {"step", settings.step}};
+  const auto volume = volume_of(settings.volume);
+  if (!volume.empty()) options["volume"] = volume;
+  return options;
 }
 
 std::string attributes(const BuildFacts& f) {
@@ -109,7 +121,7 @@ std::string row(std::string_view name, std::string_view value) {
 }  // namespace
 
 std::string options_json(const BuildSettings& settings) {
-  return options_of(settings).dump();
+  return options_of(settings).dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 std::string build_metadata(const BuildFacts& facts, const BuildSettings& settings) {

@@ -118,17 +118,22 @@ CLI::Option* add_camera(CLI::App* app, std::optional<CameraText>& camera) {
 
 void add_build(CLI::App& program, Common& common) {
   Command<BuildSettings> c(
-      program, "build", "Builds a .cuesta file from mesh files.",
+      program, "build", "Builds a .cuesta file from mesh files and volumes.",
       "Reads PLY, OBJ, STL, OFF, glTF, GLB or Draco; drops what is no surface (degenerate,\n"
       "duplicate and non-finite faces), cuts non-manifold edges, snaps vertices to a grid, and\n"
       "writes all levels of detail into one file. What was dropped is counted and told.\n\n"
       "Any of them may be inside gzip or Zstandard (scan.ply.gz, scan.obj.zst): it is unpacked to a\n"
       "temporary file without a name. Several files become one surface, in the order given. Where\n"
       "only some have an attribute, vertices of the others get computed normals, white, or (0, 0).\n\n"
+      "A volume (OpenVDB, .vdb) is meshed block by block, as it is read: --grid names one of its\n"
+      "grids of float, half or double, --iso the value on the surface, --adaptivity merges flat\n"
+      "parts. Level sets have their surface at 0 with lower values inside; fog volumes at 0.5\n"
+      "with higher values inside; other grids, which count as fog, need --iso.\n\n"
       "An output that was made by this program from the same bytes with the same options is up to\n"
       "date: nothing is done. (glTF with buffers in other files is always built.)\n\n"
       "Examples:\n  cuesta build bunny.ply -o bunny.cuesta --memory 4G\n"
-      "  cuesta build tiles/*.ply.gz -o city.cuesta --temp /var/tmp");
+      "  cuesta build tiles/*.ply.gz -o city.cuesta --temp /var/tmp\n"
+      "  cuesta build smoke.vdb --grid density --iso 0.1 --adaptivity 0.02");
   BuildSettings& s = *c.settings;
   c.app->add_option("INPUT", s.inputs, "mesh files; their formats are taken from their contents")
       ->type_name("")
@@ -145,6 +150,15 @@ void add_build(CLI::App& program, Common& common) {
   c.app->add_option("--cell", s.cell_triangles, "triangles of a page before it is simplified; default 32768")
       ->type_name("N")
       ->check(CLI::Range(64u, 1u << 20));
+  c.app->add_option("--grid", s.volume.grid, "grid of a volume; default: its first scalar one")
+      ->type_name("NAME");
+  c.app->add_option("--iso", s.volume.iso, "value on a volume's surface; default: 0 (level set), 0.5 (fog)")
+      ->type_name("V");
+  c.app
+      ->add_option("--adaptivity", s.volume.adaptivity,
+                   "0 to 1: merge a volume's cells whose normals differ by less; default 0: none")
+      ->type_name("A")
+      ->check(CLI::Range(0.0, 1.0));
   c.app->add_flag("!--no-normals", s.make_normals, "do not compute normals where the input has none");
   c.app->add_flag("--force", s.force, "build also when the output is up to date");
   add_threads(c.app, common);
