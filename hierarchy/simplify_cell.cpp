@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <limits>
+#include <utility>
 
 #include "hierarchy/bounding_sphere.h"
 #include "hierarchy/component_absorber.h"
@@ -39,9 +40,10 @@ class FanMerger {
         retry_(kernel_.point_count(), 0.0f),
         cheapest_(kernel_.point_count(), unknown),
         taken_(kernel_.point_count(), 0u),
-        dirty_(kernel_.point_count(), 1) {
-    centres_.resize(kernel_.point_count());
-    for (PointId p = 0; p < centres_.size(); ++p) centres_[p] = p;
+        dirty_(kernel_.point_count(), 0) {
+    histogram_.fill(0);
+    for (PointId p = 0; p < kernel_.point_count(); ++p) mark(p);
+    centres_ = changed_centres_;
   }
 
   SimplifyResult run() {
@@ -50,7 +52,6 @@ class FanMerger {
     while (kernel_.live_triangles() > options_.target_triangles) {
       loosen_if_knotted();
       refresh_costs();
-      if (centres_.empty()) break;
       threshold = std::max(threshold, cost_quantile());
       ++result_.passes;
       const std::size_t moved = pass(threshold);
@@ -72,40 +73,66 @@ class FanMerger {
 
  private:
   void refresh_costs() {
-    std::size_t kept = 0;
-    histogram_.fill(0);
-    finite_ = 0;
-    for (PointId v : centres_) {
+    for (PointId v : changed_centres_) {
+      dirty_[v] = 0;
       if (kernel_.removed(v)) continue;
-      if (dirty_[v]) {
-        if (cheapest_[v] == unknown) find_cheapest(v);
-        retry_[v] = 0;
-        dirty_[v] = 0;
-      }
-      centres_[kept++] = v;
-      if (cost_[v] < never) {
-        ++histogram_[bin(cost_[v])];
-        ++finite_;
-      }
+      if (cheapest_[v] == unknown) find_cheapest(v);
+      retry_[v] = 0;
     }
-    centres_.resize(kept);
+    changed_centres_.clear();
+    if (8 * gone_ > centres_.size()) forget_gone();
+  }
+
+  void forget_gone() {
+    std::erase_if(centres_, [this](PointId p) { return kernel_.removed(p); });
+    gone_ = 0;
+  }
+
+  void note_gone(PointId p) {
+    set_cost(p, never);
+    ++gone_;
   }
 
   /// Costs are not negative: their bits are in order. Sign, exponent and two bits of mantissa.
   static std::size_t bin(float cost) { return std::bit_cast<std::uint32_t>(cost) >> 21; }
 
+  void set_cost(PointId v, float cost) {
+    if (cost_[v] < never) {
+      --histogram_[bin(cost_[v])];
+      --finite_;
+    }
+    cost_[v] = cost;
+    if (cost < never) {
+      ++histogram_[bin(cost)];
+      ++finite_;
+    }
+  }
+
+  void mark(PointId v) {
+    if (!std::exchange(dirty_[v], std::uint8_t{1})) changed_centres_.push_back(v);
+  }
+
+  bool may_move(PointId u, PointId v) const { return kernel_.can_move(u) && kernel_.may_join(u, v); }
+
   /// The cheapest neighbour that could move here, and its cost.
   void find_cheapest(PointId v) {
-    cost_[v] = never;
+    float cheapest = never;
     cheapest_[v] = none;
-    for (PointId u : kernel_.neighbours(v)) offer(u, v);
+    for (PointId u : kernel_.neighbours(v)) {
+      if (!may_move(u, v)) continue;
+      const float c = kernel_.cost(u, v);
+      if (!(c < cheapest)) continue;
+      cheapest = c;
+      cheapest_[v] = u;
+    }
+    set_cost(v, cheapest);
   }
 
   void offer(PointId u, PointId v) {
-    if (!kernel_.can_move(u) || !kernel_.may_join(u, v)) return;
+    if (!may_move(u, v)) return;
     const float c = kernel_.cost(u, v);
     if (!(c < cost_[v])) return;
-    cost_[v] = c;
+    set_cost(v, c);
     cheapest_[v] = u;
   }
 
@@ -114,7 +141,7 @@ class FanMerger {
   void note_neighbourhood(PointId v) {
     for (PointId q : kernel_.neighbours(v)) {
       taken_[q] = pass_stamp_;
-      dirty_[q] = 1;
+      mark(q);
       const PointId u = cheapest_[q];
       if (u == unknown) continue;
       if (loose_ || u == v || (u != none && kernel_.removed(u)))
@@ -123,7 +150,7 @@ class FanMerger {
         offer(v, q);
     }
     taken_[v] = pass_stamp_;
-    dirty_[v] = 1;
+    mark(v);
     cheapest_[v] = unknown;
   }
 
@@ -150,8 +177,8 @@ class FanMerger {
 
   float highest_cost() const {
     float highest = 0;
-    for (PointId v : centres_)
-      if (cost_[v] < never) highest = std::max(highest, cost_[v]);
+    for (const float c : cost_)
+      if (c < never) highest = std::max(highest, c);
     return highest;
   }
 
@@ -229,6 +256,7 @@ class FanMerger {
       const float deviation = kernel_.measure(u, v);
       error = std::max(error, encode_error_up(std::max(deviation, kernel_.birth_error())));
       kernel_.apply(u, v, error, result_.script.children, balls_, changed_);
+      note_gone(u);
       if (kernel_.closed_hole_corner() != none) forget_cheapest_around(v, kernel_.closed_hole_corner());
       ++merged;
       if (kernel_.live_triangles() <= options_.target_triangles) break;
@@ -243,14 +271,14 @@ class FanMerger {
     kernel_.loosen_topology();
     loose_ = true;
     if (manifold_) result_.script.strict_fans = static_cast<std::uint32_t>(result_.script.fans.size());
-    std::fill(dirty_.begin(), dirty_.end(), std::uint8_t{1});
+    for (PointId v = 0; v < kernel_.point_count(); ++v) mark(v);
     std::fill(cheapest_.begin(), cheapest_.end(), unknown);
   }
 
   /// Takes components within `reach` whole; each is a fan of its own. Returns how many.
   std::size_t absorb_components(std::uint32_t most_points, float reach) {
     if (!absorber_.has_work()) return 0;
-    std::erase_if(centres_, [this](PointId p) { return kernel_.removed(p); });
+    forget_gone();
     std::size_t taken = 0;
     for (const auto& candidate : absorber_.candidates(centres_, most_points, reach)) {
       if (kernel_.live_triangles() <= options_.target_triangles) break;
@@ -262,6 +290,7 @@ class FanMerger {
       balls_.clear();
       changed_.clear();
       kernel_.absorb(members, candidate.target, error, result_.script.children, balls_, changed_);
+      for (PointId p : members) note_gone(p);
       close_fan(candidate.target, first, error);
       ++taken;
     }
@@ -282,13 +311,16 @@ class FanMerger {
   SimplifyOptions options_;
   float largest_error_ = 0;
   bool loose_ = false;
-  bool manifold_ = true;  // false where a finer page has let topology go already
-  std::vector<float> cost_, retry_, scratch_;
+  bool manifold_ = true;     // false where a finer page has let topology go already
+  std::vector<float> cost_;  // per point; `never` for those that have gone
+  std::vector<float> retry_, scratch_;
   std::vector<PointId> cheapest_;  // per centre: whose cost cost_ is, none, or unknown: cost_ is of no use
   std::vector<std::uint32_t> taken_;
   std::uint32_t pass_stamp_ = 0;
   std::vector<std::uint8_t> dirty_;
-  std::vector<PointId> centres_;
+  std::vector<PointId> changed_centres_;       // those with dirty_ set
+  std::vector<PointId> centres_;               // ascending; some of them may have gone
+  std::size_t gone_ = 0;                       // how many
   std::vector<std::uint64_t> order_;           // of a pass: bits of the cost, centre
   std::array<std::uint32_t, 1024> histogram_;  // of the costs below `never`
   std::size_t finite_ = 0;                     // their number

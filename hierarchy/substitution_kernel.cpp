@@ -395,7 +395,8 @@ void SubstitutionKernel::choose_targets(PointId u, PointId v) {
   targets_.clear();
   for (TriangleId t : star(u))
     if (!has_corner(t, v)) targets_.push_back(t);
-  if (!targets_.empty()) return;
+  targets_apart_ = targets_.empty();
+  if (!targets_apart_) return;
   for (TriangleId t : star(v))
     if (!has_corner(t, u)) targets_.push_back(t);
 }
@@ -429,6 +430,7 @@ float SubstitutionKernel::measure_absorption(std::span<const PointId> members, P
       if (corners_[t][0] == p) patch_.push_back(t);  // each triangle once
   collect_samples();
   targets_.assign(star(v).begin(), star(v).end());
+  targets_apart_ = true;
   measure_targets(none, none);
   return worst_bound();
 }
@@ -441,7 +443,7 @@ float SubstitutionKernel::worst_bound() const {
 
 float SubstitutionKernel::birth_error() const {
   float error = 0;
-  for (const auto* triangles : {&patch_, &targets_, &guarded_})
+  for (const auto* triangles : {&patch_, targets_apart_ ? &targets_ : &guarded_, &guarded_})
     for (TriangleId t : *triangles) error = std::max(error, births_[t].error);
   return error;
 }
@@ -457,11 +459,11 @@ void SubstitutionKernel::cover_patch(std::vector<Sphere>& balls) {
   }
   const Vec3f to_grid = vec_cast<float>(origin_);
   const auto known = [&](const Sphere& s) {
-    return std::any_of(born_balls_.begin(), born_balls_.end(), [&](std::uint32_t i) {
+    return std::any_of(born_balls_.rbegin(), born_balls_.rend(), [&](std::uint32_t i) {
       return balls[i].radius == s.radius && balls[i].centre == s.centre;
     });
   };
-  for (const auto* triangles : {&patch_, &targets_, &guarded_})
+  for (const auto* triangles : {&patch_, targets_apart_ ? &targets_ : &guarded_, &guarded_})
     for (TriangleId t : *triangles) {
       if (births_[t].sphere.radius > 0 && !known(births_[t].sphere)) {
         born_balls_.push_back(static_cast<std::uint32_t>(balls.size()));

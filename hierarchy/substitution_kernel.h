@@ -181,6 +181,7 @@ class SubstitutionKernel {
   std::uint32_t current_fan_ = 0;
   std::vector<std::uint32_t> born_balls_;    // those of the fan's balls that are births
   std::vector<TriangleId> patch_, targets_;  // triangles that go or change; those that take their samples
+  bool targets_apart_ = false;               // targets are no part of the patch
   std::vector<TriangleId> guarded_;  // reborn too: nothing at the corners of what goes may change before it
   std::vector<PointId> leaving_;
   bool loose_topology_ = false;
