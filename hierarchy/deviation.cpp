@@ -1,6 +1,7 @@
 #include "hierarchy/deviation.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -156,8 +157,10 @@ void DeviationBatch::measure(std::span<const std::array<Vec3f, 3>> triangles, st
 }
 
 float DeviationBatch::worst_bound() const {
-  float worst = 0;
-  for (std::size_t i = 0; i < size_; ++i) worst = std::max(worst, best_[i]);
+  // Squares are not negative: their bits are in order, and a maximum of integers becomes vector instructions.
+  std::int32_t most = 0;
+  for (std::size_t i = 0; i < size_; ++i) most = std::max(most, std::bit_cast<std::int32_t>(best_[i]));
+  const float worst = std::bit_cast<float>(most);
   const float rounding = std::sqrt(longest_edge_squared_) * rounding_per_length;
   if (worst == 0 && rounding < negligible) return 0;
   return std::sqrt(worst) * (1 + relative_rounding) + rounding;

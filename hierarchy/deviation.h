@@ -35,6 +35,16 @@ class DeviationBatch {
     z_[size_] = p.z;
     ++size_;
   }
+  void add(std::span<const Vec3f> points) {
+    while (size_ + points.size() > x_.size()) grow();
+    float *x = x_.data() + size_, *y = y_.data() + size_, *z = z_.data() + size_;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      x[i] = points[i].x;
+      y[i] = points[i].y;
+      z[i] = points[i].z;
+    }
+    size_ += points.size();
+  }
 
   /// Distances to the triangles; a point that is nearer to triangle i than to all before takes first_index +
   /// i. Coordinates are integers below 2^24; exact up to the rounding named above. @cost about 1 ns per point
@@ -47,6 +57,7 @@ class DeviationBatch {
 
   float squared_distance(std::size_t i) const { return best_[i]; }
   std::int32_t nearest(std::size_t i) const { return nearest_[i]; }
+  std::span<const std::int32_t> nearest() const { return {nearest_.data(), size_}; }
   Vec3f point(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
   /// Upper bound of the largest distance over all points, to within `negligible`; 0 if they are found to lie
   /// on the triangles, or there are none.

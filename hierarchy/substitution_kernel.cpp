@@ -384,7 +384,7 @@ void SubstitutionKernel::collect_samples() {
   batch_.clear();
   for (TriangleId t : patch_) {
     const SampleRun run = samples_[t];
-    for (std::uint32_t i = 0; i < run.count; ++i) batch_.add(sample_arena_[run.begin + i]);
+    if (run.count > 0) batch_.add({sample_arena_.data() + run.begin, run.count});
   }
   for (PointId p : leaving_) batch_.add(position_[p]);
 }
@@ -491,10 +491,12 @@ void SubstitutionKernel::redistribute_samples() {
   for (TriangleId t : targets_) kept += samples_[t].count;
   if (sample_arena_.size() + kept + batch_.size() > sample_arena_.capacity()) pack_samples();
   target_fill_.assign(targets_.size(), 0);
-  for (std::uint32_t i = 0; i < batch_.size(); ++i) {
-    CUESTA_CHECK(batch_.nearest(i) >= 0);
-    ++target_fill_[static_cast<std::size_t>(batch_.nearest(i))];
-  }
+  const auto nearest = batch_.nearest();
+  std::int32_t lowest = 0;
+  for (const std::int32_t k : nearest) lowest = std::min(lowest, k);
+  CUESTA_CHECK(lowest == 0);
+  std::uint32_t* const fill = target_fill_.data();
+  for (const std::int32_t k : nearest) ++fill[k];
   auto end = static_cast<std::uint32_t>(sample_arena_.size());
   sample_arena_.resize(sample_arena_.size() + kept + batch_.size());
   for (std::size_t k = 0; k < targets_.size(); ++k) {
@@ -504,8 +506,8 @@ void SubstitutionKernel::redistribute_samples() {
     run = {end, run.count + taken};
     end += run.count;
   }
-  for (std::uint32_t i = 0; i < batch_.size(); ++i)
-    sample_arena_[target_fill_[static_cast<std::size_t>(batch_.nearest(i))]++] = batch_.point(i);
+  Vec3f* const arena = sample_arena_.data();
+  for (std::size_t i = 0; i < nearest.size(); ++i) arena[fill[nearest[i]]++] = batch_.point(i);
 }
 
 /// Runs that were left behind go; room for as much again, and for what is about to come.
