@@ -3,184 +3,103 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
+#include <memory>
 #include <optional>
+#include <system_error>
 
 #include "hierarchy/bounding_sphere.h"
 #include "hierarchy/directory.h"
-#include "hierarchy/page_order.h"
-#include "hierarchy/round_surface.h"
-#include "hierarchy/simplify_cell.h"
+#include "hierarchy/input_chunk.h"
+#include "hierarchy/round_journal.h"
 #include "ooc/check.h"
-#include "ooc/oct_normal.h"
+#include "ooc/ordered_tasks.h"
 
 namespace cuesta {
 namespace {
-
-/// What one cell's task gives: a page ready to be written, and what goes to the next round.
-struct CellOutput {
-  PageEntry entry;
-  std::vector<std::byte> bytes;
-  PageStreamBytes stream_bytes{};
-  CellSurvivors survivors;                       // corners in global numbers
-  std::vector<std::uint32_t> survivor_vertices;  // global
-  std::uint64_t fans = 0, substitutions = 0;
-};
-
-OwnedVertices owned_attributes(const GridMesh& mesh, const Page& page,
-                               std::span<const std::uint32_t> vertices) {
-  OwnedVertices out;
-  const auto owned = owned_vertices(page);
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    if (!owned[i]) continue;
-    const std::uint32_t v = vertices[i];
-    out.positions.push_back(mesh.positions[v]);
-    if (!mesh.normals.empty()) out.normals.push_back(encode_oct(mesh.normals[v], normal_bits));
-    if (!mesh.colours.empty()) out.colours.push_back(mesh.colours[v]);
-    if (!mesh.texcoords.empty()) {
-      const auto fixed = [](float f) {
-        return static_cast<std::int32_t>(std::lround(std::clamp(f, -32767.0f, 32767.0f) * 65536.0));
-      };
-      out.texcoords.push_back({fixed(mesh.texcoords[v][0]), fixed(mesh.texcoords[v][1])});
-    }
-  }
-  return out;
-}
-
-/// Ball around all fans and all vertices of the page.
-Sphere page_bound(const Page& page, std::span<const Vec3i> positions) {
-  std::vector<Sphere> balls;
-  Box3<float> box;
-  for (const Vec3i& p : positions) box.add(vec_cast<float>(p));
-  const Vec3f centre = (box.lo + box.hi) * 0.5f;
-  balls.push_back({centre, length(box.hi - box.lo) * 0.5f * (1 + 1e-6f)});
-  for (const Fan& fan : page.script.fans) balls.push_back(decode_sphere(fan.sphere, positions[fan.centre]));
-  // Few distinct balls matter; the directory keeps the ball decoded.
-  const Vec3i at = vec_cast<std::int32_t>(centre);
-  return decode_sphere(enclose(balls, at), at);
-}
-
-PageEntry describe(const Page& page, const CellSurvivors& survivors, std::span<const Vec3i> positions) {
-  PageEntry e;
-  e.round = page.round;
-  e.vertices = page.vertex_count;
-  e.triangles = static_cast<std::uint32_t>(page.triangles.size());
-  e.owned_vertices = static_cast<std::uint32_t>(page.owned.positions.size());
-  e.owned_triangles =
-      page.base ? e.triangles : e.triangles - static_cast<std::uint32_t>(survivors.triangles.size());
-  e.bound = page_bound(page, positions);
-  if (page.script.children.empty()) return e;
-  const auto [least, largest] =
-      std::minmax_element(page.script.children.begin(), page.script.children.end(),
-                          [](const Child& a, const Child& b) { return a.error < b.error; });
-  e.least_error = least->error;
-  e.largest_error = largest->error;
-  return e;
-}
-
-/// Local numbers of the vertices that no surviving triangle uses and no substitution removed.
-std::vector<std::uint32_t> orphans_of(const Page& page, const CellSurvivors& survivors) {
-  std::vector<std::uint8_t> kept(page.vertex_count, 0);
-  for (const Child& c : page.script.children) kept[c.vertex] = 1;
-  for (const auto& t : survivors.corners)
-    for (std::uint32_t v : t) kept[v] = 1;
-  std::vector<std::uint32_t> orphans;
-  for (std::uint32_t v = 0; v < page.vertex_count; ++v)
-    if (!kept[v]) orphans.push_back(v);
-  return orphans;
-}
-
-CellOutput run_cell(Cell cell, const GridMesh& mesh, std::uint32_t round, bool base,
-                    const BuildOptions& options) {
-  Page page;
-  page.round = round;
-  page.base = base;
-  page.vertex_count = static_cast<std::uint32_t>(cell.vertices.size());
-  page.triangles = cell.mesh.triangles;
-  page.sources = std::move(cell.sources);
-  for (std::uint32_t v = 0; v < page.vertex_count; ++v)
-    if (cell.mesh.wedge_group[v] != v) page.wedge_tails.push_back(v);
-  const std::vector<Vec3i> positions = cell.mesh.positions;
-  SimplifyOptions simplify;
-  simplify.target_triangles =
-      base ? 0
-           : static_cast<std::uint32_t>(static_cast<double>(page.triangles.size()) / options.round_reduction);
-  SimplifyResult simplified = simplify_cell(std::move(cell.mesh), simplify);
-  page.script = std::move(simplified.script);
-  if (!base) page.orphans = orphans_of(page, simplified.survivors);
-  page.owned = owned_attributes(mesh, page, cell.vertices);
-
-  CellOutput out;
-  out.entry = describe(page, simplified.survivors, positions);
-  out.bytes = encode_page(page, &out.stream_bytes);
-  out.fans = page.script.fans.size();
-  out.substitutions = page.script.children.size();
-  if (base) return out;
-  out.survivors = std::move(simplified.survivors);
-  const auto owned = owned_vertices(page);
-  for (std::uint32_t v = 0; v < page.vertex_count; ++v)
-    if (!owned[v]) out.survivor_vertices.push_back(cell.vertices[v]);
-  for (auto& t : out.survivors.corners) t = {cell.vertices[t[0]], cell.vertices[t[1]], cell.vertices[t[2]]};
-  return out;
-}
-
-/// Moves a page's survivors to the end of the next round's surface.
-void append_survivors(RoundSurface& next, CellOutput& out, PageId page) {
-  const auto base = static_cast<std::uint32_t>(next.samples.points.size());
-  if (next.samples.begin.empty()) next.samples.begin.push_back(0);
-  const CellSurvivors& s = out.survivors;
-  next.triangles.insert(next.triangles.end(), s.corners.begin(), s.corners.end());
-  next.births.insert(next.births.end(), s.births.begin(), s.births.end());
-  next.samples.points.insert(next.samples.points.end(), s.samples.points.begin(), s.samples.points.end());
-  for (std::uint32_t i = 0; i < s.triangles.size(); ++i) {
-    next.samples.begin.push_back(base + s.samples.begin[i + 1]);
-    next.origins.push_back({page, i});
-  }
-  next.survivor_vertices.push_back(std::move(out.survivor_vertices));
-  out.survivors = {};
-}
 
 /// Cells keep positions as floats about their own corner: exact up to this extent.
 constexpr std::int64_t largest_extent = 1 << 24;
 /// Rounds that may pass without losing a tenth of the triangles.
 constexpr std::uint32_t patience = 2;
+/// Chunks of later rounds hold about this much of the survivors, and as many triangles at most as an input
+/// chunk: with many samples a triangle takes hundreds of bytes.
+constexpr std::uint64_t chunk_survivor_bytes = std::uint64_t{32} << 20;
+constexpr std::uint64_t chunk_triangles = std::uint64_t{1} << 18;
+/// Memory of a cell while it is simplified and encoded, and of a triangle of an input chunk. Measured.
+constexpr std::uint64_t cell_bytes_per_triangle = 700;
+constexpr std::uint64_t input_bytes_per_triangle = 180;
 
-std::string extent_problem(const GridMesh& mesh) {
-  Box3<std::int32_t> box;
-  for (const Vec3i& p : mesh.positions) box.add(p);
+std::string extent_problem(const Box3<std::int32_t>& box) {
   const Vec3<std::int64_t> e = vec_cast<std::int64_t>(box.hi) - vec_cast<std::int64_t>(box.lo);
   if (std::max({e.x, e.y, e.z}) < largest_extent) return "";
   return "the surface is " + std::to_string(std::max({e.x, e.y, e.z})) +
          " grid steps wide, at most 2^24 are possible; give a larger --step";
 }
 
+/// A page of the round before, as the next round knows it.
+struct SurvivingPage {
+  PageId page = 0;
+  std::uint64_t offset = 0, bytes = 0;
+  std::uint32_t triangles = 0;
+  Box3<float> box;
+  std::vector<Vec3f> centres;
+};
+
+/// The surface at the start of a round, on disk.
+struct RoundState {
+  std::uint32_t round = 0;
+  std::uint64_t triangles = 0;
+  std::unique_ptr<FileHandle> file;  ///< null in round 0
+  std::vector<SurvivingPage> pages;
+};
+
+/// How a round is cut into chunks.
+struct RoundPlan {
+  bool base = false;
+  std::uint32_t chunks = 0;
+  std::optional<SpaceTree> tree;               ///< not in round 0
+  std::vector<std::vector<std::uint32_t>> pages;  ///< per chunk: those of the state with a vertex in it
+  std::uint64_t largest_bytes = 0;             ///< memory of the largest chunk
+};
+
+struct ChunkOutput {
+  std::vector<CellOutput> cells;
+};
+
+bool overlap(const Box3<float>& a, const Box3<float>& b) {
+  return a.lo.x <= b.hi.x && b.lo.x <= a.hi.x && a.lo.y <= b.hi.y && b.lo.y <= a.hi.y && a.lo.z <= b.hi.z &&
+         b.lo.z <= a.hi.z;
+}
+
+std::string stage_of(std::uint32_t round) {
+  return "round " + std::to_string(round);
+}
+
 class HierarchyBuilder {
  public:
-  HierarchyBuilder(GridMesh mesh, const BuildOptions& options, const BuildProgress& progress,
-                   ContainerWriter writer)
-      : mesh_(std::move(mesh)), options_(options), progress_(progress), writer_(std::move(writer)) {
-    total_ = mesh_.triangles.size();
-  }
+  HierarchyBuilder(const InputSurface& surface, const BuildOptions& options, WorkFolder& folder,
+                   MemoryBudget& memory, const BuildProgress& progress)
+      : surface_(surface), options_(options), folder_(folder), memory_(memory), progress_(progress) {}
 
-  Result<BuildReport> run() {
-    RoundSurface surface;
-    Partition first_cells = order_for_pages(mesh_, options_.cell_triangles);
-    surface.triangles = std::move(mesh_.triangles);
+  Result<BuildReport> run(const std::filesystem::path& path) {
+    if (auto r = open_container(path); !r) return fail(r.error());
+    RoundState state;
+    state.triangles = surface_.triangles;
     std::uint32_t rounds_without_progress = 0;
     for (bool base = false; !base;) {
-      // A surface that no longer gets smaller (thousands of knots, say) becomes a large base page.
-      base = surface.triangles.size() <= options_.cell_triangles ||
-             (rounds_without_progress >= patience && surface.triangles.size() <= max_page_elements / 4);
       if (rounds_without_progress > 2 * patience)
-        return fail(ErrorCode::invalid_input, "", "round " + std::to_string(surface.round),
-                    std::to_string(surface.triangles.size()) +
-                        " triangles cannot be simplified any further: " + "more than fit a base page");
-      auto next =
-          run_round(surface, base, surface.round == 0 ? std::move(first_cells) : cells_of(surface, base));
+        return fail(ErrorCode::invalid_input, "", stage_of(state.round),
+                    std::to_string(state.triangles) +
+                        " triangles cannot be simplified any further: more than fit a base page");
+      // A surface that no longer gets smaller (thousands of knots, say) becomes a large base page.
+      base = state.triangles <= options_.cell_triangles ||
+             (rounds_without_progress >= patience && state.triangles <= max_page_elements / 4);
+      auto next = run_round(state, plan(state, base));
       if (!next) return fail(next.error());
-      const bool progress = next->triangles.size() <= surface.triangles.size() / 10 * 9;
-      rounds_without_progress = progress ? 0 : rounds_without_progress + 1;
-      surface = std::move(*next);
+      rounds_without_progress =
+          next->triangles <= state.triangles / 10 * 9 ? 0 : rounds_without_progress + 1;
+      remove_survivors(state);
+      state = std::move(*next);
       ++report_.rounds;
     }
     if (auto r = finish(); !r) return fail(r.error());
@@ -188,57 +107,195 @@ class HierarchyBuilder {
   }
 
  private:
-  Partition cells_of(const RoundSurface& surface, bool base) const {
-    const auto all = static_cast<std::uint32_t>(surface.triangles.size());
-    return partition_cells(triangle_centres(surface.triangles, mesh_), base ? all : options_.cell_triangles,
-                           surface.round);
+  std::filesystem::path survivors_path(std::uint32_t round) const {
+    return folder_.path() / ("survivors." + std::to_string(round));
+  }
+  void remove_survivors(const RoundState& state) const {
+    std::error_code ignored;
+    std::filesystem::remove(survivors_path(state.round), ignored);
   }
 
-  Result<RoundSurface> run_round(const RoundSurface& surface, bool base, Partition partition) {
-    const RoundCells cells(surface, mesh_, std::move(partition));
-    RoundSurface next;
-    next.round = surface.round + 1;
-    next.first_page = static_cast<PageId>(directory_.pages.size());
-    // Batches bound what waits to be written; within one, cells are independent.
-    constexpr std::uint32_t batch = 32;
-    for (std::uint32_t first = 0; first < cells.cell_count(); first += batch) {
-      const std::uint32_t last = std::min(first + batch, cells.cell_count());
-      std::vector<CellOutput> outputs(last - first);
-      tbb::parallel_for(first, last, [&](std::uint32_t c) {
-        outputs[c - first] = run_cell(cells.cell(c), mesh_, surface.round, base, options_);
-      });
-      for (CellOutput& out : outputs) {
-        if (auto r = write_page(out); !r) return fail(r.error());
-        if (!base) append_survivors(next, out, static_cast<PageId>(directory_.pages.size() - 1));
-      }
-      if (auto r = report_progress(surface.round); !r) return fail(r.error());
+  /// Goes on with the unfinished file of an earlier run, or makes a new one.
+  Result<void> open_container(const std::filesystem::path& path) {
+    std::uint64_t end = 0;
+    std::uint32_t rounds = 0;
+    for (;; ++rounds) {
+      const auto count = folder_.journal().count(stage_of(rounds));
+      if (!count) return fail(count.error());
+      if (*count == 0) break;
+      const auto last = read_record(rounds, *count - 1);
+      if (!last) return fail(last.error());
+      end = last->container_end;
     }
-    link_sources(cells, next.first_page);
-    return next;
-  }
-
-  /// A page's coarser pages are those that name it as a source.
-  void link_sources(const RoundCells& cells, PageId first_page) {
-    for (std::uint32_t c = 0; c < cells.cell_count(); ++c)
-      for (PageId source : cells.source_pages(c)) directory_.pages[source].coarser.push_back(first_page + c);
-  }
-
-  Result<void> write_page(CellOutput& out) {
-    auto ref = writer_.append(out.bytes);
-    if (!ref) return fail(ref.error());
-    out.entry.block = *ref;
-    done_ += out.entry.owned_triangles;
-    directory_.pages.push_back(std::move(out.entry));
-    report_.fans += out.fans;
-    report_.substitutions += out.substitutions;
-    for (std::size_t s = 0; s < page_stream_count; ++s) report_.stream_bytes[s] += out.stream_bytes[s];
-    out.bytes = {};
+    if (end > 0) {
+      auto writer = ContainerWriter::resume(path, end);
+      if (writer) {
+        writer_.emplace(std::move(*writer));
+        writer_->keep_part();
+        return {};
+      }
+    }
+    for (std::uint32_t r = 0; r < rounds; ++r)
+      if (auto erased = folder_.journal().erase(stage_of(r)); !erased) return erased;
+    auto writer = ContainerWriter::create(path);
+    if (!writer) return fail(writer.error());
+    writer_.emplace(std::move(*writer));
+    writer_->keep_part();
     return {};
   }
 
+  Result<ChunkRoundRecord> read_record(std::uint32_t round, std::uint64_t chunk) {
+    auto bytes = folder_.journal().find(stage_of(round), chunk);
+    if (!bytes) return fail(bytes.error());
+    return decode_record(*bytes ? std::span<const std::byte>(**bytes) : std::span<const std::byte>());
+  }
+
+  RoundPlan plan(const RoundState& state, bool base) const {
+    RoundPlan plan;
+    plan.base = base;
+    if (state.round == 0) {
+      plan.chunks = surface_.chunk_count();
+      std::uint64_t largest = 0;
+      for (std::uint32_t c = 0; c < plan.chunks; ++c) largest = std::max(largest, surface_.triangles_of(c));
+      plan.largest_bytes = largest * input_bytes_per_triangle;
+      return plan;
+    }
+    std::vector<Vec3f> centres;
+    std::uint64_t bytes = 0;
+    for (const SurvivingPage& p : state.pages) {
+      centres.insert(centres.end(), p.centres.begin(), p.centres.end());
+      bytes += p.bytes;
+    }
+    const std::uint64_t leaves =
+        base ? 1 : std::max(state.triangles / chunk_triangles, bytes / chunk_survivor_bytes) + 1;
+    plan.tree.emplace(std::move(centres), static_cast<std::uint32_t>(leaves), frame_of(state.round));
+    plan.chunks = plan.tree->leaf_count();
+    plan.pages.resize(plan.chunks);
+    for (std::uint32_t c = 0; c < plan.chunks; ++c) {
+      std::uint64_t chunk_bytes = 0;
+      for (std::uint32_t i = 0; i < state.pages.size(); ++i) {
+        if (!overlap(state.pages[i].box, plan.tree->leaf_box(c))) continue;
+        plan.pages[c].push_back(i);
+        chunk_bytes += state.pages[i].bytes;
+      }
+      plan.largest_bytes = std::max(plan.largest_bytes, chunk_bytes * 2);
+    }
+    if (base) plan.largest_bytes += state.triangles * cell_bytes_per_triangle;
+    return plan;
+  }
+
+  Result<RoundState> run_round(const RoundState& state, const RoundPlan& plan) {
+    RoundState next;
+    next.round = state.round + 1;
+    const auto finished = folder_.journal().count(stage_of(state.round));
+    if (!finished) return fail(finished.error());
+    std::uint64_t end = 0;
+    for (std::uint64_t c = 0; c < *finished; ++c) {
+      const auto record = read_record(state.round, c);
+      if (!record) return fail(record.error());
+      adopt(*record, next);
+      end = record->survivors_end;
+    }
+    const auto path = survivors_path(next.round);
+    auto file = *finished > 0 ? FileHandle::open(path) : FileHandle::create(path);
+    if (!file) return fail(file.error());
+    next.file = std::make_unique<FileHandle>(std::move(*file));
+
+    const std::uint64_t cells = plan.base ? 0 : arena_threads() * options_.cell_triangles;
+    auto for_cells = memory_.reserve(cells * cell_bytes_per_triangle, "simplifying cells");
+    if (!for_cells) return fail(for_cells.error());
+    auto for_chunks = memory_.reserve_some(plan.largest_bytes, arena_threads() + 1, "a chunk of a round");
+    if (!for_chunks) return fail(for_chunks.error());
+    auto done = run_in_order<ChunkOutput>(
+        *finished, plan.chunks, for_chunks->second,
+        [&](std::uint64_t c) { return run_chunk(state, plan, static_cast<std::uint32_t>(c)); },
+        [&](std::uint64_t c, ChunkOutput out) -> Result<void> {
+          if (auto r = keep(c, std::move(out), end, state, next); !r) return r;
+          if (state.round == 0) surface_.discard(static_cast<std::uint32_t>(c));
+          return report_progress(state.round);
+        });
+    if (!done) return fail(done.error());
+    return next;
+  }
+
+  /// The pure part of a chunk's work: everything but writing.
+  Result<ChunkOutput> run_chunk(const RoundState& state, const RoundPlan& plan, std::uint32_t c) const {
+    RoundChunk chunk;
+    Partition partition;
+    if (state.round == 0) {
+      if (c + 1 < plan.chunks) surface_.prefetch(c + 1);
+      const std::uint32_t cell =
+          plan.base ? std::max(1u, static_cast<std::uint32_t>(state.triangles)) : options_.cell_triangles;
+      auto input = load_input_chunk(surface_, c, cell);
+      if (!input) return fail(input.error());
+      chunk = std::move(input->chunk);
+      partition = std::move(input->cells);
+    } else {
+      ChunkCollector collector(*plan.tree, c);
+      for (const std::uint32_t i : plan.pages[c]) {
+        const SurvivingPage& page = state.pages[i];
+        std::vector<std::byte> bytes(page.bytes);
+        if (auto r = state.file->read_at(page.offset, bytes); !r) return fail(r.error());
+        auto survivors = decode_survivors(bytes);
+        if (!survivors) return fail(survivors.error());
+        collector.add(page.page, std::move(*survivors));
+      }
+      chunk = collector.take();
+      const auto all = static_cast<std::uint32_t>(chunk.triangles.size());
+      partition = partition_cells(triangle_centres(chunk.triangles, chunk.vertices.positions),
+                                  plan.base ? std::max(1u, all) : options_.cell_triangles, state.round);
+    }
+    const RoundCells cells(chunk, std::move(partition));
+    ChunkOutput out;
+    out.cells.resize(cells.cell_count());
+    const CellOptions options{state.round, plan.base, options_.round_reduction};
+    tbb::parallel_for(0u, cells.cell_count(), [&](std::uint32_t i) {
+      out.cells[i] = run_cell_task(cells.cell(i), chunk, options);
+    });
+    return out;
+  }
+
+  /// Writes what a chunk gave, then records that it is done.
+  Result<void> keep(std::uint64_t c, ChunkOutput out, std::uint64_t& end, const RoundState& state,
+                    RoundState& next) {
+    ChunkRoundRecord record;
+    for (CellOutput& cell : out.cells) {
+      auto ref = writer_->append(cell.page);
+      if (!ref) return fail(ref.error());
+      cell.facts.entry.block = *ref;
+      if (auto r = next.file->write_at(end, cell.survivors); !r) return r;
+      record.cells.push_back({std::move(cell.facts), end, cell.survivors.size()});
+      end += cell.survivors.size();
+      cell = {};
+    }
+    record.container_end = writer_->bytes_written();
+    record.survivors_end = end;
+    if (auto r = folder_.journal().record(stage_of(state.round), c, encode_record(record)); !r) return r;
+    adopt(record, next);
+    return {};
+  }
+
+  /// Takes over a chunk that is done, in this run or in an earlier one.
+  void adopt(const ChunkRoundRecord& record, RoundState& next) {
+    for (const CellRecord& cell : record.cells) {
+      const CellFacts& facts = cell.facts;
+      const auto page = static_cast<PageId>(directory_.pages.size());
+      directory_.pages.push_back(facts.entry);
+      // A page's coarser pages are those that name it as a source.
+      for (PageId source : facts.sources) directory_.pages[source].coarser.push_back(page);
+      done_ += facts.entry.owned_triangles;
+      report_.fans += facts.fans;
+      report_.substitutions += facts.substitutions;
+      for (std::size_t s = 0; s < page_stream_count; ++s) report_.stream_bytes[s] += facts.stream_bytes[s];
+      next.triangles += facts.survivor_triangles;
+      next.pages.push_back({page, cell.survivors_offset, cell.survivors_bytes, facts.survivor_triangles,
+                            facts.survivor_box, facts.centres});
+    }
+  }
+
   Result<void> report_progress(std::uint32_t round) {
-    if (progress_ && !progress_("round " + std::to_string(round), done_, total_))
-      return fail(ErrorCode::cancelled, "", "", "stopped; nothing was written");
+    if (progress_ && !progress_(stage_of(round), done_, surface_.triangles))
+      return fail(ErrorCode::cancelled, "", "", "stopped; the same command goes on from here");
     return {};
   }
 
@@ -262,44 +319,43 @@ class HierarchyBuilder {
 
   Result<void> finish() {
     saturate_pages();
-    directory_.grid = mesh_.grid;
-    Box3<std::int32_t> box;
-    for (const Vec3i& p : mesh_.positions) box.add(p);
-    directory_.lo = box.lo;
-    directory_.hi = box.hi;
-    directory_.vertices = mesh_.positions.size();
-    directory_.triangles = total_;
-    directory_.has_normals = !mesh_.normals.empty();
-    directory_.has_colours = !mesh_.colours.empty();
-    directory_.has_texcoords = !mesh_.texcoords.empty();
+    directory_.grid = surface_.grid;
+    directory_.lo = surface_.box.lo;
+    directory_.hi = surface_.box.hi;
+    directory_.vertices = surface_.vertices;
+    directory_.triangles = surface_.triangles;
+    directory_.has_normals = surface_.attributes.normals;
+    directory_.has_colours = surface_.attributes.colours;
+    directory_.has_texcoords = surface_.attributes.texcoords;
     directory_.metadata = options_.metadata;
     const auto bytes = encode_directory(directory_);
-    if (auto r = writer_.finish(bytes); !r) return r;
+    if (auto r = writer_->finish(bytes); !r) return r;
     report_.pages = static_cast<std::uint32_t>(directory_.pages.size());
-    report_.file_bytes = writer_.bytes_written();
+    report_.file_bytes = writer_->bytes_written();
     return {};
   }
 
-  GridMesh mesh_;
+  const InputSurface& surface_;
   const BuildOptions& options_;
+  WorkFolder& folder_;
+  MemoryBudget& memory_;
   const BuildProgress& progress_;
-  ContainerWriter writer_;
+  std::optional<ContainerWriter> writer_;
   Directory directory_;
   BuildReport report_;
-  std::uint64_t done_ = 0, total_ = 0;
+  std::uint64_t done_ = 0;
 };
 
 }  // namespace
 
-Result<BuildReport> build_hierarchy(GridMesh mesh, const std::filesystem::path& path,
-                                    const BuildOptions& options, const BuildProgress& progress) {
-  CUESTA_CHECK(!mesh.triangles.empty());
+Result<BuildReport> build_hierarchy(const InputSurface& surface, const std::filesystem::path& path,
+                                    const BuildOptions& options, WorkFolder& folder, MemoryBudget& memory,
+                                    const BuildProgress& progress) {
+  CUESTA_CHECK(surface.triangles > 0);
   CUESTA_CHECK(options.round_reduction > 1, options.round_reduction);
-  if (auto problem = extent_problem(mesh); !problem.empty())
+  if (auto problem = extent_problem(surface.box); !problem.empty())
     return fail(ErrorCode::invalid_input, path.string(), "", std::move(problem));
-  auto writer = ContainerWriter::create(path);
-  if (!writer) return fail(writer.error());
-  return HierarchyBuilder(std::move(mesh), options, progress, std::move(*writer)).run();
+  return HierarchyBuilder(surface, options, folder, memory, progress).run(path);
 }
 
 }  // namespace cuesta

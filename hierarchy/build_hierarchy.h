@@ -1,15 +1,15 @@
 #pragma once
-/// Builds a .cuesta file from a clean surface, round by round, in core. DESIGN §2.
+/// Builds a .cuesta file from a clean surface on disk, round by round, within a memory budget. DESIGN §2.
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <string>
-#include <string_view>
 
 #include "hierarchy/page_codec.h"
-#include "ooc/grid_mesh.h"
+#include "ooc/ingest.h"
+#include "ooc/memory_budget.h"
 #include "ooc/result.h"
+#include "ooc/work_folder.h"
 
 namespace cuesta {
 
@@ -28,14 +28,15 @@ struct BuildReport {
   PageStreamBytes stream_bytes{};
 };
 
-/// Work done of the total, in triangles of the input; returning false cancels.
-using BuildProgress = std::function<bool(std::string_view stage, std::uint64_t done, std::uint64_t total)>;
-
-/// Builds and writes `path` from `mesh` (consumed), in parallel over cells in the calling TBB arena. Same
-/// bytes for any number of threads.
-/// @error io; cancelled. Nothing is left under `path` then.
-/// @cost about 3.5 µs per triangle and core; 150 bytes per triangle at the peak beyond `mesh`.
-Result<BuildReport> build_hierarchy(GridMesh mesh, const std::filesystem::path& path,
-                                    const BuildOptions& options, const BuildProgress& progress = {});
+/// Builds and writes `path` from `surface`, in parallel over cells in the calling TBB arena. Same bytes for any
+/// number of threads, any memory, and any number of interruptions: a task (round, chunk) that the folder's
+/// journal knows is not done again.
+/// @param surface  ingested into the same folder; its disk space is given back as it is used
+/// @error invalid_input (more than 2^24 grid steps wide), out_of_budget (memory, disk), io, cancelled. Then
+///        nothing is under `path`; the folder and `<path>.part` keep what is done.
+/// @cost about 3 µs per triangle and core; disk: 30 bytes per triangle beside the file.
+Result<BuildReport> build_hierarchy(const InputSurface& surface, const std::filesystem::path& path,
+                                    const BuildOptions& options, WorkFolder& folder, MemoryBudget& memory,
+                                    const BuildProgress& progress = {});
 
 }  // namespace cuesta

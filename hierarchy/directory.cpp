@@ -16,7 +16,29 @@ constexpr std::uint64_t largest_directory = std::uint64_t{1} << 31;
 /// Block, five varints, two errors, a ball, and the number of coarser pages: an entry has no fewer bytes.
 constexpr std::uint64_t least_entry_bytes = 24 + 5 + 2 + 16 + 1;
 
-void put_entry(ByteWriter& w, const PageEntry& e) {
+std::uint32_t get_count(ByteReader& r) {
+  const std::uint64_t n = r.get_varint();
+  return n > max_page_elements ? std::numeric_limits<std::uint32_t>::max() : static_cast<std::uint32_t>(n);
+}
+
+/// Pages are in order of their rounds, and lean only on the next one.
+bool is_layered(const Directory& d) {
+  for (PageId id = 0; id < d.pages.size(); ++id) {
+    const PageEntry& e = d.pages[id];
+    if (id != d.base() && e.coarser.empty()) return false;
+    for (PageId c : e.coarser)
+      if (c <= id || d.pages[c].round != e.round + 1) return false;
+  }
+  return d.pages.back().coarser.empty();
+}
+
+tl::unexpected<Error> corrupt(std::string what) {
+  return fail(ErrorCode::corrupt, "", "directory", std::move(what));
+}
+
+}  // namespace
+
+void put_page_entry(ByteWriter& w, const PageEntry& e) {
   w.put(e.block.offset);
   w.put(e.block.bytes);
   w.put(e.block.checksum);
@@ -32,12 +54,7 @@ void put_entry(ByteWriter& w, const PageEntry& e) {
   }
 }
 
-std::uint32_t get_count(ByteReader& r) {
-  const std::uint64_t n = r.get_varint();
-  return n > max_page_elements ? std::numeric_limits<std::uint32_t>::max() : static_cast<std::uint32_t>(n);
-}
-
-bool get_entry(ByteReader& r, std::uint64_t page_count, PageEntry& e) {
+bool get_page_entry(ByteReader& r, std::uint64_t page_count, PageEntry& e) {
   e.block = {r.get<std::uint64_t>(), r.get<std::uint64_t>(), r.get<std::uint64_t>()};
   for (auto* n : {&e.round, &e.vertices, &e.triangles, &e.owned_vertices, &e.owned_triangles}) {
     *n = get_count(r);
@@ -61,23 +78,6 @@ bool get_entry(ByteReader& r, std::uint64_t page_count, PageEntry& e) {
   return r.ok() && e.owned_triangles <= e.triangles && e.owned_vertices <= e.vertices;
 }
 
-/// Pages are in order of their rounds, and lean only on the next one.
-bool is_layered(const Directory& d) {
-  for (PageId id = 0; id < d.pages.size(); ++id) {
-    const PageEntry& e = d.pages[id];
-    if (id != d.base() && e.coarser.empty()) return false;
-    for (PageId c : e.coarser)
-      if (c <= id || d.pages[c].round != e.round + 1) return false;
-  }
-  return d.pages.back().coarser.empty();
-}
-
-tl::unexpected<Error> corrupt(std::string what) {
-  return fail(ErrorCode::corrupt, "", "directory", std::move(what));
-}
-
-}  // namespace
-
 std::vector<std::byte> encode_directory(const Directory& d) {
   ByteWriter w;
   for (double v : {d.grid.origin.x, d.grid.origin.y, d.grid.origin.z, d.grid.step}) w.put(v);
@@ -89,7 +89,7 @@ std::vector<std::byte> encode_directory(const Directory& d) {
   w.put_varint(d.metadata.size());
   w.put_bytes(std::as_bytes(std::span(d.metadata)));
   w.put_varint(d.pages.size());
-  for (const PageEntry& e : d.pages) put_entry(w, e);
+  for (const PageEntry& e : d.pages) put_page_entry(w, e);
   ByteWriter out;
   std::vector<std::byte> packed(ZSTD_compressBound(w.size()));
   const std::size_t size = ZSTD_compress(packed.data(), packed.size(), w.bytes().data(), w.size(), 9);
@@ -130,7 +130,7 @@ Result<Directory> decode_directory(std::span<const std::byte> bytes) {
     return corrupt("impossible number of pages");
   d.pages.resize(count);
   for (PageEntry& e : d.pages)
-    if (!get_entry(r, count, e))
+    if (!get_page_entry(r, count, e))
       return corrupt("entry " + std::to_string(&e - d.pages.data()) + " is damaged");
   if (!r.at_end()) return corrupt("bytes after the last entry");
   if (!is_layered(d)) return corrupt("pages lean on pages that are not of the next round");

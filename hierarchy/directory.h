@@ -9,6 +9,7 @@
 
 #include "hierarchy/error_code.h"
 #include "hierarchy/page.h"
+#include "ooc/byte_stream.h"
 #include "ooc/container_file.h"
 #include "ooc/grid.h"
 #include "ooc/result.h"
@@ -40,6 +41,11 @@ struct Directory {
 
   PageId base() const { return static_cast<PageId>(pages.size() - 1); }
 };
+
+/// One entry as the directory stores it.
+void put_page_entry(ByteWriter& w, const PageEntry& entry);
+/// @param page_count  ids of coarser pages are below it   @return false for damaged bytes
+bool get_page_entry(ByteReader& r, std::uint64_t page_count, PageEntry& entry);
 
 std::vector<std::byte> encode_directory(const Directory& directory);
 /// @error corrupt. Checks every reference: coarser pages come later and belong to the next round, bounds are

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "hierarchy/cell_mesh.h"
-#include "ooc/surface_mesh.h"
+#include "ooc/vertex_table.h"
 
 namespace cuesta {
 
@@ -27,16 +27,6 @@ struct PageSource {
   std::vector<std::uint32_t> local_vertices;  ///< what they are here, ascending
 };
 
-/// Attributes of owned vertices, in ascending local order; empty, or one element per owned vertex.
-struct OwnedVertices {
-  std::vector<Vec3i> positions;                      ///< always there; grid units
-  std::vector<std::array<std::int16_t, 2>> normals;  ///< octahedral, normal_bits bits
-  std::vector<Rgba8> colours;
-  std::vector<std::array<std::int32_t, 2>> texcoords;  ///< units of 2^-16
-};
-
-inline constexpr int normal_bits = 10;
-
 struct Page {
   std::uint32_t round = 0;
   bool base = false;  ///< the coarsest page: owns its survivors too
@@ -46,7 +36,7 @@ struct Page {
       wedge_tails;  ///< ascending: vertices in the wedge group of the vertex before them
   Script script;
   std::vector<std::uint32_t> orphans;  ///< ascending; neither removed nor used by a surviving triangle
-  OwnedVertices owned;
+  VertexTable owned;  ///< ascending local order
   std::vector<PageSource> sources;
 };
 

@@ -6,23 +6,19 @@
 #include <algorithm>
 #include <numeric>
 
-#include "hierarchy/round_surface.h"
-
 namespace cuesta {
 namespace {
 
-using Corners = std::array<std::uint32_t, 3>;
-
 /// A cell's triangles in strip order.
-void put_into_strips(std::span<Corners> cell) {
+void put_into_strips(std::span<Triangle> cell) {
   std::vector<std::uint32_t> vertices;
   vertices.reserve(cell.size() * 3);
-  for (const Corners& t : cell) vertices.insert(vertices.end(), t.begin(), t.end());
+  for (const Triangle& t : cell) vertices.insert(vertices.end(), t.begin(), t.end());
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   std::vector<std::uint32_t> local;
   local.reserve(cell.size() * 3);
-  for (const Corners& t : cell)
+  for (const Triangle& t : cell)
     for (std::uint32_t v : t)
       local.push_back(static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), v) -
                                                  vertices.begin()));
@@ -32,57 +28,79 @@ void put_into_strips(std::span<Corners> cell) {
     cell[i] = {vertices[ordered[i * 3]], vertices[ordered[i * 3 + 1]], vertices[ordered[i * 3 + 2]]};
 }
 
-/// Old number of each new vertex: by first use, the vertices of a group together.
-std::vector<std::uint32_t> by_first_use(const GridMesh& mesh) {
-  std::vector<std::uint32_t> order;
-  order.reserve(mesh.positions.size());
-  std::vector<std::uint8_t> known(mesh.positions.size(), 0);
-  for (const Corners& t : mesh.triangles)
+/// First and last + 1 vertex of v's wedge group.
+std::pair<std::uint32_t, std::uint32_t> group_of(const RoundChunk& chunk, std::uint32_t v) {
+  const VertexId group = chunk.group_id(v);
+  std::uint32_t first = v, last = v + 1;
+  while (first > 0 && chunk.group_id(first - 1) == group) --first;
+  while (last < chunk.ids.size() && chunk.group_id(last) == group) ++last;
+  return {first, last};
+}
+
+/// Old number of each new vertex, in ascending order of new ids, which `chunk.ids` gets (in old order).
+std::vector<std::uint32_t> number_by_first_use(RoundChunk& chunk, VertexId first_free) {
+  std::vector<std::uint32_t> free;
+  std::vector<std::uint8_t> known(chunk.locked);
+  std::vector<VertexId> ids = chunk.ids;
+  for (const Triangle& t : chunk.triangles)
     for (std::uint32_t v : t) {
-      const std::uint32_t group = mesh.wedge_group[v];
-      if (known[group]) continue;
-      known[group] = 1;
-      for (std::uint32_t w = group; w < mesh.wedge_group.size() && mesh.wedge_group[w] == group; ++w)
-        order.push_back(w);
+      if (known[v]) continue;
+      const auto [first, last] = group_of(chunk, v);
+      for (std::uint32_t w = first; w < last; ++w) {
+        known[w] = 1;
+        ids[w] = first_free + free.size();
+        free.push_back(w);
+      }
     }
+  chunk.ids = std::move(ids);
+  // Locked vertices with lower ids, the free ones, locked vertices with higher ids.
+  std::vector<std::uint32_t> order;
+  order.reserve(chunk.ids.size());
+  std::uint32_t v = 0;
+  const auto add_locked = [&](auto wanted) {
+    for (; v < chunk.ids.size(); ++v) {
+      if (!chunk.locked[v]) continue;
+      if (!wanted(chunk.ids[v])) break;
+      order.push_back(v);
+    }
+  };
+  add_locked([&](VertexId id) { return id < first_free; });
+  order.insert(order.end(), free.begin(), free.end());
+  add_locked([](VertexId) { return true; });
   return order;
 }
 
-template <class T>
-void permute(std::vector<T>& values, std::span<const std::uint32_t> order) {
-  if (values.empty()) return;
-  std::vector<T> out;
-  out.reserve(order.size());
-  for (std::uint32_t old : order) out.push_back(values[old]);
-  values = std::move(out);
-}
-
-void renumber(GridMesh& mesh) {
-  const auto order = by_first_use(mesh);
+void renumber(RoundChunk& chunk, VertexId first_free) {
+  const auto order = number_by_first_use(chunk, first_free);
   std::vector<std::uint32_t> now(order.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i) now[order[i]] = i;
-  permute(mesh.positions, order);
-  permute(mesh.normals, order);
-  permute(mesh.colours, order);
-  permute(mesh.texcoords, order);
-  permute(mesh.wedge_group, order);
-  for (std::uint32_t& g : mesh.wedge_group) g = now[g];
-  for (Corners& t : mesh.triangles) t = {now[t[0]], now[t[1]], now[t[2]]};
+  const RoundChunk old = {std::move(chunk.ids), std::move(chunk.wedge), std::move(chunk.vertices),
+                          std::move(chunk.locked), {}, {}, {}, {}, {}};
+  chunk.vertices = gather(old.vertices, order);
+  chunk.ids.clear();
+  chunk.wedge.clear();
+  chunk.locked.clear();
+  for (std::uint32_t i = 0; i < order.size(); ++i) {
+    now[order[i]] = i;
+    chunk.ids.push_back(old.ids[order[i]]);
+    chunk.wedge.push_back(old.wedge[order[i]]);
+    chunk.locked.push_back(old.locked[order[i]]);
+  }
+  for (Triangle& t : chunk.triangles) t = {now[t[0]], now[t[1]], now[t[2]]};
 }
 
 }  // namespace
 
-Partition order_for_pages(GridMesh& mesh, std::uint32_t cell_triangles) {
-  Partition cells = partition_cells(triangle_centres(mesh.triangles, mesh), cell_triangles, 0);
-  std::vector<Corners> ordered;
-  ordered.reserve(mesh.triangles.size());
-  for (std::uint32_t t : cells.order) ordered.push_back(mesh.triangles[t]);
-  mesh.triangles = std::move(ordered);
+Partition order_for_pages(RoundChunk& chunk, VertexId first_free, std::uint32_t cell_triangles) {
+  Partition cells = partition_cells(triangle_centres(chunk.triangles, chunk.vertices.positions), cell_triangles, 0);
+  std::vector<Triangle> ordered;
+  ordered.reserve(chunk.triangles.size());
+  for (std::uint32_t t : cells.order) ordered.push_back(chunk.triangles[t]);
+  chunk.triangles = std::move(ordered);
   std::iota(cells.order.begin(), cells.order.end(), 0u);
   tbb::parallel_for(0u, cells.cell_count(), [&](std::uint32_t c) {
-    put_into_strips(std::span(mesh.triangles).subspan(cells.begin[c], cells.begin[c + 1] - cells.begin[c]));
+    put_into_strips(std::span(chunk.triangles).subspan(cells.begin[c], cells.begin[c + 1] - cells.begin[c]));
   });
-  renumber(mesh);
+  renumber(chunk, first_free);
   return cells;
 }
 

@@ -3,14 +3,15 @@
 /// 0.2 instead of 1.5 bytes per triangle.
 
 #include "hierarchy/partition.h"
-#include "ooc/grid_mesh.h"
+#include "hierarchy/round_chunk.h"
 
 namespace cuesta {
 
-/// Cuts the surface into the cells of round 0, puts each cell's triangles into strips one after the other,
-/// and numbers vertices by their first use, wedge groups together. What survives a round keeps this order. In
-/// the calling TBB arena; same result for any number of threads.
+/// Cuts a chunk of round 0 into cells, puts each cell's triangles into strips one after the other, and numbers
+/// the vertices that are not locked by their first use, wedge groups together: `first_free`, first_free + 1, …
+/// What survives a round keeps this order. In the calling TBB arena; same result for any number of threads.
+/// @pre ids of locked vertices are final; the others are consecutive numbers from first_free on.
 /// @return the cells: triangles are in their order now, so cell c is a run of them.
-Partition order_for_pages(GridMesh& mesh, std::uint32_t cell_triangles);
+Partition order_for_pages(RoundChunk& chunk, VertexId first_free, std::uint32_t cell_triangles);
 
 }  // namespace cuesta

@@ -9,33 +9,13 @@
 namespace cuesta {
 namespace {
 
-using Frame = std::array<Vec3f, 3>;
-
-/// Orthonormal frames that share no plane: rotations by unit quaternions far from each other's symmetries.
-Frame frame_of(std::uint32_t round) {
-  constexpr std::array<std::array<double, 4>, 4> turns{{{1, 0, 0, 0},
-                                                        {0.8467, 0.2795, 0.3514, 0.2862},
-                                                        {0.7071, -0.4253, 0.2611, 0.5003},
-                                                        {0.6123, 0.5521, -0.4817, 0.2983}}};
-  auto q = turns[round % turns.size()];
-  const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  for (double& c : q) c /= norm;
-  const auto [w, x, y, z] = q;
-  const auto row = [](double a, double b, double c) {
-    return Vec3f{static_cast<float>(a), static_cast<float>(b), static_cast<float>(c)};
-  };
-  return {row(1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
-          row(2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
-          row(2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y))};
-}
-
 class KdCutter {
  public:
   KdCutter(std::span<const Vec3f> centres, const Frame& frame, std::vector<std::uint32_t>& order,
            std::vector<std::uint32_t>& begin)
       : order_(order), begin_(begin) {
     turned_.reserve(centres.size());
-    for (const Vec3f& c : centres) turned_.push_back({dot(c, frame[0]), dot(c, frame[1]), dot(c, frame[2])});
+    for (const Vec3f& c : centres) turned_.push_back(turn(frame, c));
   }
 
   void cut(std::uint32_t first, std::uint32_t last, std::uint32_t cells) {
@@ -71,6 +51,24 @@ class KdCutter {
 };
 
 }  // namespace
+
+/// Orthonormal frames that share no plane: rotations by unit quaternions far from each other's symmetries.
+Frame frame_of(std::uint32_t round) {
+  constexpr std::array<std::array<double, 4>, 4> turns{{{1, 0, 0, 0},
+                                                        {0.8467, 0.2795, 0.3514, 0.2862},
+                                                        {0.7071, -0.4253, 0.2611, 0.5003},
+                                                        {0.6123, 0.5521, -0.4817, 0.2983}}};
+  auto q = turns[round % turns.size()];
+  const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  for (double& c : q) c /= norm;
+  const auto [w, x, y, z] = q;
+  const auto row = [](double a, double b, double c) {
+    return Vec3f{static_cast<float>(a), static_cast<float>(b), static_cast<float>(c)};
+  };
+  return {row(1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+          row(2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+          row(2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y))};
+}
 
 Partition partition_cells(std::span<const Vec3f> centres, std::uint32_t cell_triangles, std::uint32_t round) {
   CUESTA_CHECK(cell_triangles > 0);

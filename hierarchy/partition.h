@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "ooc/space_tree.h"
 #include "ooc/vec.h"
 
 namespace cuesta {
@@ -22,7 +23,10 @@ struct Partition {
   }
 };
 
-/// Balanced kd-cuts of triangle centres across the longest extent, in a frame that turns with `round`.
+/// The directions that a round cuts along: far from those of the rounds before and after.
+Frame frame_of(std::uint32_t round);
+
+/// Balanced kd-cuts of triangle centres across the longest extent, in frame_of(round).
 /// @param centres        one per triangle, any unit
 /// @param cell_triangles largest cell; cells differ by at most one triangle
 /// @cost  O(n log(cells)), deterministic.

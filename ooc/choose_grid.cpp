@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <vector>
+#include <utility>
 
 namespace cuesta {
 namespace {
@@ -14,15 +14,8 @@ struct EdgeLengths {
   double short_one = 0;  ///< 99 % are longer
 };
 
-EdgeLengths edge_lengths(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
-  const std::size_t stride = triangles.size() / kEdgeSampleTriangles + 1;
-  std::vector<double> lengths;
-  for (std::size_t i = 0; i < triangles.size(); i += stride)
-    for (int k = 0; k < 3; ++k) {
-      const std::size_t c = static_cast<std::size_t>(k);
-      const double l = length(positions[triangles[i][c]] - positions[triangles[i][(c + 1) % 3]]);
-      if (l > 0) lengths.push_back(l);
-    }
+EdgeLengths quantiles(std::vector<double> lengths) {
+  std::erase_if(lengths, [](double l) { return !(l > 0); });
   if (lengths.empty()) return {};
   const auto quantile = [&lengths](std::size_t per_cent) {
     const auto at = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() * per_cent / 100);
@@ -52,16 +45,13 @@ double largest(Vec3d v) {
 
 }  // namespace
 
-Result<Grid> choose_grid(std::span<const Vec3d> positions, std::span<const Triangle> triangles, double step) {
+Result<Grid> choose_grid(const Box3d& box, std::vector<double> edge_lengths, double step) {
   if (!(step >= 0) || std::isinf(step))
     return fail(ErrorCode::invalid_input, "", "",
                 "the grid step must be a positive number, or 0 for a default");
-  Box3d box;
-  for (const Triangle& t : triangles)
-    for (const std::uint32_t v : t) box.add(positions[v]);
   if (box.empty()) return Grid{};
   const double extent = largest(box.hi - box.lo);
-  if (step == 0) step = default_step(extent, edge_lengths(positions, triangles));
+  if (step == 0) step = default_step(extent, quantiles(std::move(edge_lengths)));
   const Grid grid{{round_down(box.lo.x, step), round_down(box.lo.y, step), round_down(box.lo.z, step)}, step};
   if (!(largest((box.hi - grid.origin) / step) + 1 < kMaxGridCoordinate))
     return fail(ErrorCode::invalid_input, "", "",

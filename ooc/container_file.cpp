@@ -50,6 +50,12 @@ Result<ContainerWriter> ContainerWriter::create(const std::filesystem::path& pat
   return ContainerWriter(std::move(*file));
 }
 
+Result<ContainerWriter> ContainerWriter::resume(const std::filesystem::path& path, std::uint64_t end) {
+  auto file = AtomicFile::resume(path, end);
+  if (!file) return fail(file.error());
+  return ContainerWriter(std::move(*file));
+}
+
 Result<void> ContainerWriter::pad() {
   const std::array<std::byte, container_alignment> zeros{};
   const std::uint64_t over = file_.bytes_written() % container_alignment;

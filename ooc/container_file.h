@@ -35,6 +35,11 @@ struct BlockRef {
 class ContainerWriter {
  public:
   static Result<ContainerWriter> create(const std::filesystem::path& path);
+  /// Goes on after the block that ends at byte `end`, in what an interrupted writer with keep_part() left.
+  /// @error not_found, io; corrupt if there is less
+  static Result<ContainerWriter> resume(const std::filesystem::path& path, std::uint64_t end);
+  /// What is unfinished when this goes stays for resume().
+  void keep_part() { file_.keep_part(); }
   Result<BlockRef> append(std::span<const std::byte> block);
   /// Writes the directory and the header, syncs, and gives the file its name.
   Result<void> finish(std::span<const std::byte> directory);

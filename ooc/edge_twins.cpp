@@ -50,7 +50,8 @@ void sort_bucket(std::span<EdgeEntry> bucket) {
 }  // namespace
 
 std::vector<std::uint32_t> edge_twins(std::span<const Triangle> triangles,
-                                      std::span<const std::uint32_t> group, std::uint64_t& edges_cut) {
+                                      std::span<const std::uint32_t> group,
+                                      std::span<const std::uint8_t> counted, std::uint64_t& edges_cut) {
   std::vector<std::uint32_t> ends(group.size() + 1, 0);
   for_each_edge(triangles, group, [&](std::uint32_t lo, EdgeEntry) { ++ends[lo + std::size_t{1}]; });
   counts_to_starts(ends);
@@ -73,7 +74,7 @@ std::vector<std::uint32_t> edge_twins(std::span<const Triangle> triangles,
         twins[a] = b;
         twins[b] = a;
       } else if (count > 1) {
-        ++edges_cut;
+        edges_cut += counted[lo];
       }
       begin = stop;
     }

@@ -13,10 +13,12 @@ namespace cuesta {
 /// has more
 ///         than two triangles, or two that run along it in the same direction.
 /// @param group        per vertex: the first vertex of its wedge group
-/// @param edges_cut    incremented per cut edge
+/// @param counted      per vertex: whether cut edges are counted whose lower group starts there
+/// @param edges_cut    incremented per counted cut edge
 /// @pre   no triangle has two corners in one group; triangles.size() ≤ kMaxTriangles.
 /// @cost  linear while degrees are small (a sort per vertex); 24 bytes per triangle beside the result's 12.
 std::vector<std::uint32_t> edge_twins(std::span<const Triangle> triangles,
-                                      std::span<const std::uint32_t> group, std::uint64_t& edges_cut);
+                                      std::span<const std::uint32_t> group,
+                                      std::span<const std::uint8_t> counted, std::uint64_t& edges_cut);
 
 }  // namespace cuesta

@@ -8,73 +8,60 @@ namespace {
 /// Above this many faces that start at one group, sort to find copies instead of comparing all pairs.
 constexpr std::size_t kManyFaces = 16;
 
-using Faces = std::span<const Triangle>;
+/// A face by its groups: ascending, so that copies are equal whichever way round they are.
+struct Face {
+  std::uint64_t higher_groups;
+  std::uint32_t triangle;
 
-/// The two higher groups of a face that starts at a known group.
-std::uint64_t opposite_edge(const Triangle& t, std::span<const std::uint32_t> group) {
-  const auto [lo, hi] = std::minmax(group[t[1]], group[t[2]]);
-  return std::uint64_t{hi} << 32 | lo;
-}
-
-/// Sets copy[i] for the faces of `faces`, which start at one group, that equal an earlier one.
-class CopyFinder {
- public:
-  explicit CopyFinder(std::span<const std::uint32_t> group) : group_(group) {}
-
-  const std::vector<std::uint8_t>& operator()(Faces faces) {
-    copy_.assign(faces.size(), 0);
-    if (faces.size() <= kManyFaces)
-      compare_pairs(faces);
-    else
-      sort(faces);
-    return copy_;
-  }
-
- private:
-  void compare_pairs(Faces faces) {
-    std::uint64_t edges[kManyFaces];
-    for (std::size_t i = 0; i < faces.size(); ++i) {
-      edges[i] = opposite_edge(faces[i], group_);
-      for (std::size_t j = 0; j < i; ++j)
-        if (edges[j] == edges[i]) copy_[i] = 1;
-    }
-  }
-
-  void sort(Faces faces) {
-    order_.clear();
-    for (std::size_t i = 0; i < faces.size(); ++i) order_.push_back({opposite_edge(faces[i], group_), i});
-    std::ranges::sort(order_);
-    for (std::size_t i = 1; i < order_.size(); ++i)
-      if (order_[i].first == order_[i - 1].first) copy_[order_[i].second] = 1;
-  }
-
-  std::span<const std::uint32_t> group_;
-  std::vector<std::uint8_t> copy_;
-  std::vector<std::pair<std::uint64_t, std::size_t>> order_;
+  friend auto operator<=>(const Face&, const Face&) = default;
 };
+
+/// Faces that have the same lowest group, in order of triangles.
+void mark_copies(std::span<Face> faces, std::vector<FaceFault>& faults) {
+  if (faces.size() <= kManyFaces) {
+    for (std::size_t i = 1; i < faces.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        if (faces[j].higher_groups == faces[i].higher_groups) faults[faces[i].triangle] = FaceFault::duplicate;
+    return;
+  }
+  std::ranges::sort(faces);
+  for (std::size_t i = 1; i < faces.size(); ++i)
+    if (faces[i].higher_groups == faces[i - 1].higher_groups) faults[faces[i].triangle] = FaceFault::duplicate;
+}
 
 }  // namespace
 
-FacesDropped drop_impossible_faces(std::vector<Triangle>& triangles, std::span<const std::uint32_t> group) {
-  FacesDropped dropped;
-  dropped.degenerate = std::erase_if(triangles, [group](Triangle& t) {
-    t = smallest_first(t);
-    const std::uint32_t a = group[t[0]], b = group[t[1]], c = group[t[2]];
-    return a == b || b == c || c == a;
-  });
-  const std::vector<std::uint32_t> starts = bucket_by_first(triangles, group);
-  CopyFinder copies(group);
-  std::size_t kept = 0;
-  for (std::size_t g = 0; g < group.size(); ++g) {
-    const Faces faces = Faces(triangles).subspan(starts[g], starts[g + 1] - starts[g]);
-    if (faces.empty()) continue;
-    const std::vector<std::uint8_t>& copy = copies(faces);
-    for (std::size_t i = 0; i < faces.size(); ++i)
-      if (!copy[i]) triangles[kept++] = faces[i];
+std::vector<FaceFault> face_faults(std::span<const Triangle> triangles,
+                                   std::span<const std::uint32_t> group) {
+  std::vector<FaceFault> faults(triangles.size(), FaceFault::none);
+  std::vector<std::uint32_t> starts(group.size() + 1, 0);
+  const auto sorted_groups = [&](const Triangle& t) {
+    Triangle g{group[t[0]], group[t[1]], group[t[2]]};
+    if (g[0] > g[1]) std::swap(g[0], g[1]);
+    if (g[1] > g[2]) std::swap(g[1], g[2]);
+    if (g[0] > g[1]) std::swap(g[0], g[1]);
+    return g;
+  };
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const Triangle g = sorted_groups(triangles[i]);
+    if (g[0] == g[1] || g[1] == g[2])
+      faults[i] = FaceFault::degenerate;
+    else
+      ++starts[g[0] + std::size_t{1}];
   }
-  dropped.duplicate = triangles.size() - kept;
-  triangles.resize(kept);
-  return dropped;
+  counts_to_starts(starts);
+  std::vector<Face> faces(starts.back());
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
+    if (faults[i] != FaceFault::none) continue;
+    const Triangle g = sorted_groups(triangles[i]);
+    faces[starts[g[0]]++] = {std::uint64_t{g[1]} << 32 | g[2], i};
+  }
+  std::size_t begin = 0;
+  for (std::size_t g = 0; g < group.size(); ++g) {  // the scatter moved each start to its bucket's end
+    mark_copies(std::span(faces).subspan(begin, starts[g] - begin), faults);
+    begin = starts[g];
+  }
+  return faults;
 }
 
 }  // namespace cuesta

@@ -15,9 +15,10 @@ struct Copy {
 class FanSplitter {
  public:
   FanSplitter(std::vector<Triangle>& triangles, std::span<const std::uint32_t> group,
-              std::span<const std::uint32_t> twins)
+              std::span<const std::uint8_t> whole, std::span<const std::uint32_t> twins)
       : triangles_(triangles),
         group_(group),
+        whole_(whole),
         twins_(twins),
         corner_done_(twins.size(), 0),
         vertex_flags_(group.size(), 0) {}
@@ -33,8 +34,9 @@ class FanSplitter {
   enum Flag : std::uint8_t { kUsed = 1, kInFirstFan = 2, kGroupHasFan = 4 };
 
   void visit_fan_of(std::uint32_t corner) {
-    std::uint8_t& flags = vertex_flags_[group_[start_of(triangles_, corner)]];
-    if (flags & kGroupHasFan) return move_to_copies(corner);
+    const std::uint32_t group = group_[start_of(triangles_, corner)];
+    std::uint8_t& flags = vertex_flags_[group];
+    if ((flags & kGroupHasFan) && whole_[group]) return move_to_copies(corner);
     flags |= kGroupHasFan;
     for_each_corner(
         corner, [&](std::uint32_t& vertex, std::uint32_t) { vertex_flags_[vertex] |= kUsed | kInFirstFan; });
@@ -84,6 +86,7 @@ class FanSplitter {
 
   SplitVertices number() {
     SplitVertices out;
+    out.copies = copies_.size();
     std::vector<std::uint32_t> number_of(group_.size() + copies_.size(), kNone);
     const std::vector<std::uint32_t> order = copy_order();
     const auto add = [&](std::uint32_t vertex, std::uint32_t source, bool opens_group) {
@@ -96,7 +99,7 @@ class FanSplitter {
     for (std::uint32_t begin = 0, end = 0; begin < vertices; begin = end) {
       bool opens = true;
       for (end = begin; end < vertices && group_[end] == begin; ++end) {
-        out.used_before += vertex_flags_[end] & kUsed;
+        out.used_before += vertex_flags_[end] & kUsed & whole_[end];
         if (vertex_flags_[end] & kInFirstFan) add(end, end, std::exchange(opens, false));
       }
       std::uint32_t fan = kNone;
@@ -111,6 +114,7 @@ class FanSplitter {
 
   std::vector<Triangle>& triangles_;
   std::span<const std::uint32_t> group_;
+  std::span<const std::uint8_t> whole_;
   std::span<const std::uint32_t> twins_;
   std::vector<std::uint8_t> corner_done_;
   std::vector<std::uint8_t> vertex_flags_;
@@ -122,8 +126,8 @@ class FanSplitter {
 }  // namespace
 
 SplitVertices split_fans(std::vector<Triangle>& triangles, std::span<const std::uint32_t> group,
-                         std::span<const std::uint32_t> twins) {
-  return FanSplitter(triangles, group, twins).run();
+                         std::span<const std::uint8_t> whole, std::span<const std::uint32_t> twins) {
+  return FanSplitter(triangles, group, whole, twins).run();
 }
 
 }  // namespace cuesta

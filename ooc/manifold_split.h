@@ -16,11 +16,14 @@ namespace cuesta {
 struct SplitVertices {
   std::vector<std::uint32_t> source;  ///< per new vertex: the old vertex with its position and attributes
   std::vector<std::uint32_t> group;   ///< per new vertex: the first new vertex of its group
-  std::uint64_t used_before = 0;  ///< old vertices that a triangle uses; the rest of source.size() are copies
+  std::uint64_t used_before = 0;  ///< whole old vertices that a triangle uses
+  std::uint64_t copies = 0;
 };
 
 /// Renumbers `triangles` to the new vertices.
 /// @param group  per old vertex: the first vertex of its wedge group; groups are consecutive vertices.
+/// @param whole  per old vertex, the same in a group: whether all triangles around it are here. The others
+///               are left as they are, one group each.
 /// @param twins  from edge_twins: triangles are connected where they are twins and nowhere else.
 /// @post  Each edge of the new groups has one triangle, or two that run along it in opposite directions. (A
 /// cut edge
@@ -28,6 +31,6 @@ struct SplitVertices {
 ///        closes.)
 /// @cost  linear in triangles, O(c log c) in copies; 3 bytes per triangle and 9 per vertex beside the result.
 SplitVertices split_fans(std::vector<Triangle>& triangles, std::span<const std::uint32_t> group,
-                         std::span<const std::uint32_t> twins);
+                         std::span<const std::uint8_t> whole, std::span<const std::uint32_t> twins);
 
 }  // namespace cuesta

@@ -11,12 +11,6 @@
 
 namespace cuesta {
 
-struct AttributeSet {
-  bool normals = false;
-  bool colours = false;
-  bool texcoords = false;
-};
-
 struct Vertex {
   Vec3d position;
   Vec3f normal;

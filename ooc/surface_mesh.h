@@ -13,6 +13,15 @@ namespace cuesta {
 using Rgba8 = std::array<std::uint8_t, 4>;  ///< sRGB colour, straight alpha
 using TexCoord = std::array<float, 2>;      ///< u right, v up
 
+/// Which attributes the vertices of a surface have.
+struct AttributeSet {
+  bool normals = false;
+  bool colours = false;
+  bool texcoords = false;
+
+  friend bool operator==(const AttributeSet&, const AttributeSet&) = default;
+};
+
 /// World frame and units are the file's own; counter-clockwise is outside.
 /// Attribute arrays are empty or have one element per vertex. A corner with different attributes is another
 /// vertex at the same position (a wedge).

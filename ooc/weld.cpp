@@ -21,21 +21,13 @@ Vec3i shifted(Vec3i g, int bits) {
 /// well.
 class CurveOrder {
  public:
-  CurveOrder(const SurfaceMesh& mesh, const Grid& grid, std::span<const std::uint8_t> used)
-      : mesh_(mesh), grid_(grid) {
+  explicit CurveOrder(const std::vector<Vec3i>& positions) : positions_(positions) {
     std::int32_t all = 0;
-    std::size_t count = 0;
-    for (std::size_t v = 0; v < used.size(); ++v)
-      if (used[v]) {
-        const Vec3i g = grid.snap(mesh.positions[v]);
-        all |= g.x | g.y | g.z;
-        ++count;
-      }
+    for (const Vec3i& g : positions) all |= g.x | g.y | g.z;
     low_bits_ = std::max(0, static_cast<int>(std::bit_width(static_cast<std::uint32_t>(all))) - kMortonBits);
-    entries_.reserve(count);
-    for (std::size_t v = 0; v < used.size(); ++v)
-      if (used[v])
-        entries_.push_back({morton_key(shifted(snapped(v), low_bits_)), static_cast<std::uint32_t>(v)});
+    entries_.reserve(positions.size());
+    for (std::uint32_t v = 0; v < positions.size(); ++v)
+      entries_.push_back({morton_key(shifted(positions[v], low_bits_)), v});
     sort_by_key(entries_);
   }
 
@@ -45,7 +37,7 @@ class CurveOrder {
   void for_each_point(F f) {
     for_each_run(entries_, [&](Run cell) {
       if (low_bits_ == 0 || cell.size() == 1) return f(cell);
-      for (CurveEntry& e : cell) e.key = morton_key(low(snapped(e.index)));
+      for (CurveEntry& e : cell) e.key = morton_key(low(positions_[e.index]));
       std::ranges::sort(cell, [](const CurveEntry& a, const CurveEntry& b) {
         return a.key != b.key ? a.key < b.key : a.index < b.index;
       });
@@ -53,10 +45,7 @@ class CurveOrder {
     });
   }
 
-  std::size_t size() const { return entries_.size(); }
-
  private:
-  Vec3i snapped(std::size_t v) const { return grid_.snap(mesh_.positions[v]); }
   Vec3i low(Vec3i g) const {
     const std::int32_t mask = (1 << low_bits_) - 1;
     return {g.x & mask, g.y & mask, g.z & mask};
@@ -70,8 +59,7 @@ class CurveOrder {
     }
   }
 
-  const SurfaceMesh& mesh_;
-  const Grid& grid_;
+  const std::vector<Vec3i>& positions_;
   int low_bits_ = 0;
   std::vector<CurveEntry> entries_;
 };
@@ -82,31 +70,31 @@ int compare_bits(const std::vector<T>& values, std::uint32_t a, std::uint32_t b)
 }
 
 /// Order of the attributes' bytes: any total order will do, and NaN and -0 are no trouble.
-int compare_attributes(const SurfaceMesh& mesh, std::uint32_t a, std::uint32_t b) {
-  if (const int c = compare_bits(mesh.normals, a, b)) return c;
-  if (const int c = compare_bits(mesh.colours, a, b)) return c;
-  return compare_bits(mesh.texcoords, a, b);
+int compare_attributes(const VertexTable& table, std::uint32_t a, std::uint32_t b) {
+  if (const int c = compare_bits(table.normals, a, b)) return c;
+  if (const int c = compare_bits(table.colours, a, b)) return c;
+  return compare_bits(table.texcoords, a, b);
 }
 
 /// Sets of[v] = the first vertex with v's attributes, for the vertices of one grid point.
-void find_equals(const SurfaceMesh& mesh, std::vector<std::uint32_t>& run, std::vector<std::uint32_t>& of) {
+void find_equals(const VertexTable& table, std::vector<std::uint32_t>& run, std::vector<std::uint32_t>& of) {
   std::ranges::sort(run, [&](std::uint32_t a, std::uint32_t b) {
-    const int c = compare_attributes(mesh, a, b);
+    const int c = compare_attributes(table, a, b);
     return c != 0 ? c < 0 : a < b;
   });
   std::uint32_t first = run[0];
   for (const std::uint32_t v : run) {
-    if (compare_attributes(mesh, first, v) != 0) first = v;
+    if (compare_attributes(table, first, v) != 0) first = v;
     of[v] = first;
   }
 }
 
 class Welder {
  public:
-  Welder(const SurfaceMesh& mesh, Welded& out)
-      : mesh_(mesh),
+  Welder(const VertexTable& table, Welded& out)
+      : table_(table),
         out_(out),
-        attributes_(!mesh.normals.empty() || !mesh.colours.empty() || !mesh.texcoords.empty()) {}
+        attributes_(!table.normals.empty() || !table.colours.empty() || !table.texcoords.empty()) {}
 
   void add_point(Run run) {
     group_ = static_cast<std::uint32_t>(out_.source.size());
@@ -128,7 +116,7 @@ class Welder {
   void add_wedges(Run run) {
     vertices_.clear();
     for (const CurveEntry& e : run) vertices_.push_back(e.index);
-    find_equals(mesh_, vertices_, out_.of);
+    find_equals(table_, vertices_, out_.of);
     // In ascending order the first of each kind comes before the others, so its number is known when they ask
     // for it.
     for (const CurveEntry& e : run) {
@@ -137,7 +125,7 @@ class Welder {
     }
   }
 
-  const SurfaceMesh& mesh_;
+  const VertexTable& table_;
   Welded& out_;
   bool attributes_;
   std::uint32_t group_ = 0;
@@ -146,11 +134,11 @@ class Welder {
 
 }  // namespace
 
-Welded weld(const SurfaceMesh& mesh, const Grid& grid, std::span<const std::uint8_t> used) {
+Welded weld(const VertexTable& vertices) {
   Welded out;
-  out.of.assign(mesh.positions.size(), kNone);
-  CurveOrder order(mesh, grid, used);
-  Welder welder(mesh, out);
+  out.of.resize(vertices.size());
+  CurveOrder order(vertices.positions);
+  Welder welder(vertices, out);
   order.for_each_point([&](Run run) { welder.add_point(run); });
   return out;
 }

@@ -10,15 +10,13 @@
 #include "apps/cuesta/progress.h"
 #include "apps/cuesta/stop_signal.h"
 #include "apps/cuesta/text_forms.h"
+#include "ooc/fingerprint.h"
+#include "ooc/ingest.h"
 #include "ooc/unpacked_file.h"
+#include "ooc/work_folder.h"
 
 namespace cuesta::app {
 namespace {
-
-/// Peak of clean_mesh and build_hierarchy, whichever is larger, with the mesh itself. Per triangle: the
-/// headers' 120 and 150 bytes beyond their input, and an input of 12 bytes plus half a vertex of up to 56
-/// bytes.
-constexpr std::uint64_t work_bytes_per_triangle = 200;
 
 BuildSettings with_defaults(BuildSettings settings) {
   if (settings.memory_bytes == 0) settings.memory_bytes = physical_memory_bytes() / 4 * 3;
@@ -47,13 +45,25 @@ std::string only_input(const BuildSettings& s) {
   return s.inputs.size() == 1 ? s.inputs.front().string() : std::string();
 }
 
-Result<void> check_memory(const BuildSettings& s, std::uint64_t triangles) {
-  const std::uint64_t needed = triangles * work_bytes_per_triangle;
-  if (needed <= s.memory_bytes) return {};
-  return fail(
-      ErrorCode::out_of_budget, only_input(s), "",
-      fmt::format("building {} triangles in core needs about {}, the budget is {}; give more with --memory",
-                  with_commas(triangles), byte_count(needed), byte_count(s.memory_bytes)));
+Result<void> check_memory(const BuildSettings& s) {
+  if (s.memory_bytes >= least_memory_bytes) return {};
+  return fail(ErrorCode::invalid_input, "", "",
+              fmt::format("a build needs {} of memory, {} were given with --memory",
+                          byte_count(least_memory_bytes), byte_count(s.memory_bytes)));
+}
+
+/// Beside the output; or in the folder that was chosen, with a name of its own for each output.
+std::filesystem::path work_path(const BuildSettings& s) {
+  auto name = s.output.filename();
+  if (s.temp.empty()) return s.output.parent_path() / (name += ".work");
+  Fingerprint print;
+  print.add(std::filesystem::absolute(s.output).lexically_normal().string());
+  return s.temp / (name += "-" + print.hex().substr(0, 8) + ".work");
+}
+
+/// Whether the same command, later, can go on from what is there.
+bool is_resumable(ErrorCode code) {
+  return code == ErrorCode::cancelled || code == ErrorCode::io || code == ErrorCode::out_of_budget;
 }
 
 void note_inputs(const BuildSettings& s, BuildFacts& facts) {
@@ -64,37 +74,58 @@ void note_inputs(const BuildSettings& s, BuildFacts& facts) {
   }
 }
 
-void note_reading(const LoadedMeshes& loaded, BuildFacts& facts) {
-  for (std::size_t i = 0; i < loaded.files.size(); ++i) facts.inputs[i].read = loaded.files[i];
-  facts.missing = loaded.missing;
+/// Reads all inputs as one surface.
+Result<std::vector<ReadReport>> read_inputs(const BuildSettings& s, const BuildFacts& facts,
+                                            const std::filesystem::path& temp, RawSurface& sink,
+                                            Progress& progress) {
+  std::uint64_t total = 0, before = 0;
+  for (const InputFacts& input : facts.inputs) total += input.bytes;
+  std::vector<ReadReport> reports;
+  for (const auto& path : s.inputs) {
+    sink.begin_input();
+    const auto reading = [&](std::uint64_t done, std::uint64_t) {
+      return progress.update("read", Unit::bytes, std::min(before + done, total), total);
+    };
+    auto report = read_mesh(path, sink, s.memory_bytes / 2, reading, temp, s.volume);
+    if (!report) return fail(report.error());
+    before += facts.inputs[reports.size()].bytes;
+    reports.push_back(*report);
+  }
+  return reports;
 }
 
-Result<GridMesh> read_and_clean(const BuildSettings& s, BuildFacts& facts, Progress& progress) {
-  const auto reading = [&](std::uint64_t done, std::uint64_t total) {
-    return progress.update("read", Unit::bytes, done, total);
+void note_surface(const InputSurface& surface, BuildFacts& facts) {
+  for (std::size_t i = 0; i < surface.inputs.size(); ++i) facts.inputs[i].read = surface.inputs[i];
+  facts.missing = surface.missing;
+  facts.clean = surface.report;
+  facts.triangles = surface.triangles;
+  facts.vertices = surface.vertices;
+  facts.has_normals = surface.attributes.normals;
+  facts.has_colours = surface.attributes.colours;
+  facts.has_texcoords = surface.attributes.texcoords;
+}
+
+Result<void> build_in(WorkFolder& folder, const BuildSettings& s, BuildFacts& facts, Progress& progress) {
+  MemoryBudget memory(s.memory_bytes);
+  const auto update = [&](std::string_view stage, std::uint64_t done, std::uint64_t total) {
+    return progress.update(stage.starts_with("round") ? "build" : stage, Unit::triangles, done, total);
   };
-  auto loaded = load_meshes(s.inputs, s.memory_bytes, reading, s.temp, s.volume);
-  if (!loaded) return fail(loaded.error());
-  note_reading(*loaded, facts);
-  SurfaceMesh mesh = std::move(loaded->mesh);
-  if (auto r = check_memory(s, mesh.triangles.size()); !r) return fail(r.error());
-  progress.update("clean", Unit::none, 0, 0);
-  auto clean = clean_mesh(std::move(mesh), {s.step, s.make_normals}, facts.clean);
-  if (!clean) {
-    Error error = clean.error();
+  auto surface = ingest(
+      folder, {s.step, s.make_normals}, memory,
+      [&](RawSurface& sink) { return read_inputs(s, facts, folder.path(), sink, progress); }, update);
+  if (!surface) {
+    Error error = surface.error();
     if (error.file.empty()) error.file = only_input(s);
     return fail(error);
   }
-  if (auto r = check_stop(); !r) return fail(r.error());
-  return clean;
-}
-
-void note_surface(const GridMesh& mesh, BuildFacts& facts) {
-  facts.triangles = mesh.triangles.size();
-  facts.vertices = mesh.positions.size();
-  facts.has_normals = !mesh.normals.empty();
-  facts.has_colours = !mesh.colours.empty();
-  facts.has_texcoords = !mesh.texcoords.empty();
+  note_surface(*surface, facts);
+  BuildOptions options;
+  options.cell_triangles = s.cell_triangles;
+  options.metadata = build_metadata(facts, s);
+  auto built = build_hierarchy(*surface, s.output, options, folder, memory, update);
+  if (!built) return fail(built.error());
+  facts.built = *built;
+  return {};
 }
 
 }  // namespace
@@ -102,6 +133,7 @@ void note_surface(const GridMesh& mesh, BuildFacts& facts) {
 Result<void> run_build(const BuildSettings& given) {
   const BuildSettings s = with_defaults(given);
   if (auto r = check_output(s); !r) return r;
+  if (auto r = check_memory(s); !r) return r;
   const double start_ms = clock_ms();
   Progress progress(s.quiet);
   BuildFacts facts;
@@ -114,21 +146,21 @@ Result<void> run_build(const BuildSettings& given) {
     return {};
   }
   facts.fingerprint = std::move(*fingerprint);
-  auto mesh = read_and_clean(s, facts, progress);
-  if (!mesh) return fail(mesh.error());
-  note_surface(*mesh, facts);
-
-  BuildOptions options;
-  options.cell_triangles = s.cell_triangles;
-  options.metadata = build_metadata(facts, s);
-  progress.update("build", Unit::triangles, 0, facts.triangles);
-  auto built = build_hierarchy(std::move(*mesh), s.output, options,
-                               [&](std::string_view, std::uint64_t done, std::uint64_t all) {
-                                 return progress.update("build", Unit::triangles, done, all);
-                               });
-  if (!built) return fail(built.error());
+  const auto work = work_path(s);
+  auto folder = WorkFolder::open(work, facts.fingerprint, s.resume);
+  if (!folder) return fail(folder.error());
+  if (folder->journal().is_resumed() && !s.quiet)
+    fmt::print(stderr, "going on with what an earlier run left in {}\n", work.string());
+  if (auto r = build_in(*folder, s, facts, progress); !r) {
+    if (!is_resumable(r.error().code)) {
+      folder->remove();
+      std::error_code ignored;
+      std::filesystem::remove(s.output.string() + ".part", ignored);
+    }
+    return r;
+  }
+  folder->remove();
   progress.finish();
-  facts.built = *built;
   facts.seconds = (clock_ms() - start_ms) / 1000;
   fmt::print("{}", build_summary(facts, s));
   return {};

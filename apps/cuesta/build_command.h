@@ -13,20 +13,22 @@ namespace cuesta::app {
 struct BuildSettings {
   std::vector<std::filesystem::path> inputs;  ///< at least one; several become one surface, in this order
   std::filesystem::path output;               ///< empty, for one input only: its name with .cuesta
-  std::filesystem::path temp;  ///< folder for what compressed inputs unpack to; empty: TMPDIR, or else /tmp
-  std::uint64_t memory_bytes = 0;  ///< 0: three quarters of the machine's
+  std::filesystem::path temp;                 ///< where the work folder goes; empty: beside the output
+  std::uint64_t memory_bytes = 0;             ///< 0: three quarters of the machine's
   double step = 0;                 ///< grid step in world units; 0 chooses
   std::uint32_t cell_triangles = 1u << 15;
   VolumeOptions volume;      ///< of inputs that are volumes
   bool make_normals = true;  ///< where the input has none
   bool force = false;        ///< build also when the output is up to date
+  bool resume = true;        ///< go on with what an interrupted build left
   bool quiet = false;
 };
 
 /// Reads, cleans, builds, writes; prints a summary of one screen. Says "up to date" and does nothing more
-/// when the output is there and would get the same bytes (build_fingerprint.h).
-/// @error of reading, cleaning and building; out_of_budget before the work that would need more memory;
-/// cancelled.
+/// when the output is there and would get the same bytes (build_fingerprint.h). What is interrupted, by a
+/// signal, a crash or a full disk, stays in the work folder; the same call goes on from there.
+/// @error of reading, cleaning and building; out_of_budget before the work that would need more memory or
+/// disk; cancelled.
 Result<void> run_build(const BuildSettings& settings);
 
 }  // namespace cuesta::app

@@ -7,7 +7,7 @@
 
 #include "apps/cuesta/build_command.h"
 #include "hierarchy/build_hierarchy.h"
-#include "ooc/grid_mesh.h"
+#include "ooc/clean_report.h"
 #include "ooc/mesh_reader.h"
 
 namespace cuesta::app {

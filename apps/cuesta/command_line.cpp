@@ -122,8 +122,10 @@ void add_build(CLI::App& program, Common& common) {
       "Reads PLY, OBJ, STL, OFF, glTF, GLB or Draco; drops what is no surface (degenerate,\n"
       "duplicate and non-finite faces), cuts non-manifold edges, snaps vertices to a grid, and\n"
       "writes all levels of detail into one file. What was dropped is counted and told.\n\n"
-      "Any of them may be inside gzip or Zstandard (scan.ply.gz, scan.obj.zst): it is unpacked to a\n"
-      "temporary file without a name. Several files become one surface, in the order given. Where\n"
+      "Meshes of any size are built in the memory given, with temporary data of about 100 bytes per\n"
+      "triangle on disk, in FILE.work. A build that is interrupted, by Ctrl-C, a crash or a full\n"
+      "disk, goes on from there when the same command is run again.\n\n"
+      "Any of them may be inside gzip or Zstandard (scan.ply.gz, scan.obj.zst). Several files become one surface, in the order given. Where\n"
       "only some have an attribute, vertices of the others get computed normals, white, or (0, 0).\n\n"
       "A volume (OpenVDB, .vdb) is meshed block by block, as it is read: --grid names one of its\n"
       "grids of float, half or double, --iso the value on the surface, --adaptivity merges flat\n"
@@ -140,10 +142,16 @@ void add_build(CLI::App& program, Common& common) {
       ->required();
   add_path(c.app, "-o,--output", s.output,
            "file to write; default, for one INPUT only: its name with .cuesta, in this folder");
-  add_parsed(c.app, "--memory", "SIZE", "memory to use, such as 512M or 8G; default: 3/4 of the machine's",
+  add_parsed(c.app, "--memory", "SIZE", "memory to use, such as 512M or 8G, at least 256M; default: 3/4 of the machine's",
              store(parse_bytes, s.memory_bytes));
-  add_path(c.app, "--temp", s.temp, "folder for temporary data; default: TMPDIR, or else /tmp")
+  add_path(c.app, "--temp", s.temp,
+           "where the folder with work in progress goes; default: beside the output")
       ->type_name("DIR");
+  add_parsed(c.app, "--resume", "WHEN", "auto: go on with what an interrupted build left; never; default auto",
+             [&s](const std::string& text) {
+               s.resume = text == "auto";
+               return s.resume || text == "never";
+             });
   c.app->add_option("--step", s.step, "grid step in the mesh's units; default: 1/64 of the median edge")
       ->type_name("S")
       ->check(CLI::PositiveNumber);

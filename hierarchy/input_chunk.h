@@ -1,0 +1,21 @@
+#pragma once
+/// A chunk of the clean input as the first round wants it.
+
+#include "hierarchy/partition.h"
+#include "hierarchy/round_chunk.h"
+#include "ooc/ingest.h"
+#include "ooc/result.h"
+
+namespace cuesta {
+
+struct InputChunk {
+  RoundChunk chunk;
+  Partition cells;  ///< runs of its triangles
+};
+
+/// Reads chunk c, gives vertices that it shares with others the numbers that those know, and puts all in the
+/// order in which pages store it. Pure.   @error io, corrupt
+Result<InputChunk> load_input_chunk(const InputSurface& surface, std::uint32_t c,
+                                    std::uint32_t cell_triangles);
+
+}  // namespace cuesta

@@ -1,0 +1,33 @@
+#pragma once
+/// Joins triangles with their vertices and sorts them into chunks.
+
+#include <cstdint>
+#include <functional>
+
+#include "ooc/bucket_file.h"
+#include "ooc/memory_budget.h"
+#include "ooc/raw_surface.h"
+#include "ooc/space_tree.h"
+#include "ooc/survey.h"
+#include "ooc/triangle_soup.h"
+
+namespace cuesta {
+
+/// Triangles done; false cancels.
+using TriangleProgress = std::function<bool(std::uint64_t triangles_done)>;
+
+/// Puts each triangle of `raw` into the bucket of the leaf of `tree` that its centre lies in (its owner), and
+/// into those of the other leaves that its corners lie in. Triangles with a corner that is not finite are
+/// left out.
+///
+/// A triangle whose corners are in one block of vertices is joined when that block is in memory. The corners
+/// of the others are joined block by block, and brought together again by their triangle's ordinal.
+/// @param tree   over grid positions, in the identity frame
+/// @return number of triangles left out
+/// @error out_of_budget (memory for a block; disk), io, cancelled
+Result<std::uint64_t> distribute(const RawSurface& raw, const Grid& grid, const SpaceTree& tree,
+                                 const SoupLayout& layout, MemoryBudget& memory,
+                                 const std::filesystem::path& folder, BucketFile& soup,
+                                 const TriangleProgress& progress);
+
+}  // namespace cuesta

@@ -1,0 +1,125 @@
+#include "ooc/journal.h"
+
+#include <sqlite3.h>
+
+#include <utility>
+
+namespace cuesta {
+namespace {
+
+/// Layout of the tables; a journal of another layout is emptied.
+constexpr int layout_version = 1;
+
+struct Finalize {
+  void operator()(sqlite3_stmt* s) const { sqlite3_finalize(s); }
+};
+using Statement = std::unique_ptr<sqlite3_stmt, Finalize>;
+
+Statement prepare(sqlite3* db, const char* sql) {
+  sqlite3_stmt* s = nullptr;
+  sqlite3_prepare_v2(db, sql, -1, &s, nullptr);
+  return Statement(s);
+}
+
+void bind(sqlite3_stmt* s, int at, std::string_view text) {
+  sqlite3_bind_text(s, at, text.data(), static_cast<int>(text.size()), SQLITE_TRANSIENT);
+}
+
+}  // namespace
+
+void Journal::Close::operator()(sqlite3* db) const {
+  sqlite3_close(db);
+}
+
+tl::unexpected<Error> Journal::error(const char* what) const {
+  const int code = db_ ? sqlite3_errcode(db_.get()) : SQLITE_NOMEM;
+  const std::string message = std::string(what) + ": " + (db_ ? sqlite3_errmsg(db_.get()) : "no memory");
+  if (code == SQLITE_BUSY || code == SQLITE_LOCKED)
+    return fail(ErrorCode::io, path_.string(), "", "another process is building this file");
+  return fail(code == SQLITE_FULL ? ErrorCode::out_of_budget : ErrorCode::io, path_.string(), "", message);
+}
+
+Result<void> Journal::execute(const char* sql) const {
+  if (sqlite3_exec(db_.get(), sql, nullptr, nullptr, nullptr) != SQLITE_OK)
+    return error("cannot write the journal");
+  return {};
+}
+
+Result<Journal> Journal::open(const std::filesystem::path& path, const std::string& fingerprint) {
+  Journal journal;
+  journal.path_ = path;
+  sqlite3* db = nullptr;
+  const int opened = sqlite3_open(path.c_str(), &db);
+  journal.db_.reset(db);
+  if (opened != SQLITE_OK) return journal.error("cannot open the journal");
+  // One process holds it from here to its end.
+  for (const char* sql : {"PRAGMA locking_mode = EXCLUSIVE", "PRAGMA journal_mode = WAL",
+                          "PRAGMA synchronous = NORMAL", "BEGIN IMMEDIATE; COMMIT",
+                          "CREATE TABLE IF NOT EXISTS build (version INTEGER, fingerprint TEXT)",
+                          "CREATE TABLE IF NOT EXISTS task (stage TEXT, number INTEGER, result BLOB, "
+                          "PRIMARY KEY (stage, number)) WITHOUT ROWID"})
+    if (auto r = journal.execute(sql); !r) return fail(r.error());
+  {
+    const Statement same = prepare(db, "SELECT 1 FROM build WHERE version = ? AND fingerprint = ?");
+    if (!same) return journal.error("cannot read the journal");
+    sqlite3_bind_int(same.get(), 1, layout_version);
+    bind(same.get(), 2, fingerprint);
+    journal.resumed_ = sqlite3_step(same.get()) == SQLITE_ROW;
+  }
+  if (journal.resumed_) {
+    const Statement any = prepare(db, "SELECT 1 FROM task LIMIT 1");
+    journal.resumed_ = any && sqlite3_step(any.get()) == SQLITE_ROW;
+    return journal;
+  }
+  if (auto r = journal.execute("DELETE FROM task; DELETE FROM build"); !r) return fail(r.error());
+  const Statement insert = prepare(db, "INSERT INTO build VALUES (?, ?)");
+  if (!insert) return journal.error("cannot write the journal");
+  sqlite3_bind_int(insert.get(), 1, layout_version);
+  bind(insert.get(), 2, fingerprint);
+  if (sqlite3_step(insert.get()) != SQLITE_DONE) return journal.error("cannot write the journal");
+  return journal;
+}
+
+Result<std::optional<std::vector<std::byte>>> Journal::find(std::string_view stage,
+                                                            std::uint64_t number) const {
+  const Statement s = prepare(db_.get(), "SELECT result FROM task WHERE stage = ? AND number = ?");
+  if (!s) return error("cannot read the journal");
+  bind(s.get(), 1, stage);
+  sqlite3_bind_int64(s.get(), 2, static_cast<sqlite3_int64>(number));
+  const int step = sqlite3_step(s.get());
+  if (step == SQLITE_DONE) return std::nullopt;
+  if (step != SQLITE_ROW) return error("cannot read the journal");
+  const auto* data = static_cast<const std::byte*>(sqlite3_column_blob(s.get(), 0));
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(s.get(), 0));
+  return std::vector<std::byte>(data, data + size);
+}
+
+Result<std::uint64_t> Journal::count(std::string_view stage) const {
+  const Statement s = prepare(db_.get(), "SELECT count(*) FROM task WHERE stage = ?");
+  if (!s) return error("cannot read the journal");
+  bind(s.get(), 1, stage);
+  if (sqlite3_step(s.get()) != SQLITE_ROW) return error("cannot read the journal");
+  return static_cast<std::uint64_t>(sqlite3_column_int64(s.get(), 0));
+}
+
+Result<void> Journal::record(std::string_view stage, std::uint64_t number,
+                             std::span<const std::byte> result) {
+  const Statement s = prepare(db_.get(), "INSERT OR REPLACE INTO task VALUES (?, ?, ?)");
+  if (!s) return error("cannot write the journal");
+  bind(s.get(), 1, stage);
+  sqlite3_bind_int64(s.get(), 2, static_cast<sqlite3_int64>(number));
+  sqlite3_bind_blob64(s.get(), 3, result.empty() ? "" : static_cast<const void*>(result.data()),
+                      result.size(), SQLITE_TRANSIENT);
+  if (sqlite3_step(s.get()) != SQLITE_DONE) return error("cannot write the journal");
+  return {};
+}
+
+Result<void> Journal::erase(std::string_view stage) {
+  const Statement s = prepare(db_.get(), "DELETE FROM task WHERE stage = ?");
+  if (!s) return error("cannot write the journal");
+  bind(s.get(), 1, stage);
+  if (sqlite3_step(s.get()) != SQLITE_DONE) return error("cannot write the journal");
+  return {};
+}
+
+}  // namespace cuesta

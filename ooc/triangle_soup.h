@@ -1,0 +1,56 @@
+#pragma once
+/// Triangles that carry their corners with them, on the grid: what a join of triangles with vertices gives,
+/// and what chunks are made of before they are clean.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "ooc/vertex_table.h"
+
+namespace cuesta {
+
+/// One triangle of a soup.
+struct SoupTriangle {
+  std::uint64_t ordinal = 0;  ///< place among all triangles of the input
+  std::uint32_t owner = 0;    ///< chunk that it belongs to; others have it as a neighbour
+  std::array<Vec3i, 3> positions;
+  std::array<OctNormal, 3> normals;  ///< this and the following: as the layout says
+  std::array<Rgba8, 3> colours;
+  std::array<FixedTexCoord, 3> texcoords;
+  Vec3f area_normal;  ///< from positions before snapping, as long as twice the area in square grid steps
+};
+
+/// Which parts a record has. 48 to 108 bytes a triangle.
+struct SoupLayout {
+  AttributeSet attributes;
+  bool area_normals = false;
+
+  std::uint32_t record_bytes() const {
+    return 48 + 3 * (4 * attributes.normals + 4 * attributes.colours + 8 * attributes.texcoords) +
+           12 * area_normals;
+  }
+};
+inline constexpr std::size_t max_soup_record_bytes = 48 + 3 * 16 + 12;
+
+/// @param out  record_bytes() of it are written
+/// @return     what was written
+std::span<const std::byte> encode(const SoupTriangle& triangle, const SoupLayout& layout,
+                                  std::span<std::byte, max_soup_record_bytes> out);
+
+/// Many of them; corner k of triangle i is vertex 3 i + k.
+struct TriangleSoup {
+  std::vector<std::uint64_t> ordinals;  ///< ascending
+  std::vector<std::uint32_t> owners;
+  VertexTable corners;
+  std::vector<Vec3f> area_normals;
+
+  std::size_t size() const { return ordinals.size(); }
+};
+
+/// Records in any order → a soup in input order.
+TriangleSoup decode_soup(std::span<const std::byte> records, const SoupLayout& layout);
+
+}  // namespace cuesta
