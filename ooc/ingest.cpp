@@ -259,7 +259,7 @@ class Ingest {
     out_.inputs = std::move(read_.inputs);
     out_.missing = read_.counts.missing;
     out_.report.nonfinite_vertices = read_.survey.nonfinite_vertices;
-    out_.report.faces_nonfinite = nonfinite_faces_;
+    out_.report.faces_nonfinite = read_.counts.nonfinite_faces + nonfinite_faces_;
     out_.report.vertices_unused += read_.survey.unused_vertices;
     out_.report.vertices_welded = read_.survey.used_vertices - std::min(read_.survey.used_vertices, vertices_used_);
     return std::move(out_);

@@ -86,13 +86,14 @@ class FanSplitter {
 
   SplitVertices number() {
     SplitVertices out;
-    out.copies = copies_.size();
+    std::uint64_t whole = 0;
     std::vector<std::uint32_t> number_of(group_.size() + copies_.size(), kNone);
     const std::vector<std::uint32_t> order = copy_order();
     const auto add = [&](std::uint32_t vertex, std::uint32_t source, bool opens_group) {
       number_of[vertex] = static_cast<std::uint32_t>(out.source.size());
       out.group.push_back(opens_group ? number_of[vertex] : out.group.back());
       out.source.push_back(source);
+      whole += whole_[source];
     };
     auto copy = order.begin();
     const auto vertices = static_cast<std::uint32_t>(group_.size());
@@ -108,6 +109,7 @@ class FanSplitter {
         add(vertices + *copy, c.source, std::exchange(fan, c.fan) != c.fan);
       }
     }
+    out.copies = whole - out.used_before;
     for (Triangle& t : triangles_) t = {number_of[t[0]], number_of[t[1]], number_of[t[2]]};
     return out;
   }

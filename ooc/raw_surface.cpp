@@ -122,6 +122,7 @@ Result<void> RawSurface::vertices(const VertexBlock& block) {
     if (auto r = add(colours, converted(block.colours, complement)); !r) return r;
   if (!block.texcoords.empty())
     if (auto r = add(texcoords, converted(block.texcoords, fixed)); !r) return r;
+  note_nonfinite(block.positions);
   counts_.vertices += block.positions.size();
   Input& input = inputs_.back();
   input.vertices += block.positions.size();
@@ -129,6 +130,17 @@ Result<void> RawSurface::vertices(const VertexBlock& block) {
   input.attributes.colours |= !block.colours.empty();
   input.attributes.texcoords |= !block.texcoords.empty();
   return {};
+}
+
+void RawSurface::note_nonfinite(std::span<const Vec3d> block) {
+  for (std::size_t i = 0; i < block.size(); ++i) {
+    const Vec3d& p = block[i];
+    if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) continue;
+    const std::uint64_t v = counts_.vertices + i;
+    if (v >= most_used_bits) return;  // their faces are found later
+    if (v / 64 >= nonfinite_.size()) nonfinite_.resize(std::max(v / 64 + 1, nonfinite_.size() * 2));
+    nonfinite_[v / 64] |= std::uint64_t{1} << (v % 64);
+  }
 }
 
 void RawSurface::note_used(std::uint64_t v) {
@@ -147,13 +159,13 @@ void RawSurface::note_used(std::uint64_t v) {
   used_[bit / 64] |= std::uint64_t{1} << (bit % 64);
 }
 
-void RawSurface::note_sample(const std::array<std::uint64_t, 3>& t) {
-  if (counts_.triangles % sample_stride_ != 0) return;
+void RawSurface::note_sample(std::uint64_t ordinal, const std::array<std::uint64_t, 3>& t) {
+  if (ordinal % sample_stride_ != 0) return;
   if (sample_.size() == 2 * kEdgeSampleTriangles) {
     for (std::size_t i = 0; i < kEdgeSampleTriangles; ++i) sample_[i] = sample_[2 * i];
     sample_.resize(kEdgeSampleTriangles);
     sample_stride_ *= 2;
-    if (counts_.triangles % sample_stride_ != 0) return;
+    if (ordinal % sample_stride_ != 0) return;
   }
   sample_.push_back(t);
 }
@@ -162,9 +174,13 @@ Result<void> RawSurface::triangles(TriangleBlock block) {
   for (const auto& local : block) {
     const std::array<std::uint64_t, 3> t{local[0] + first_of_input_, local[1] + first_of_input_,
                                          local[2] + first_of_input_};
-    for (const std::uint64_t v : t) note_used(v);
-    note_sample(t);
     const std::uint64_t ordinal = counts_.triangles++;
+    if (!nonfinite_.empty() && (is_nonfinite(t[0]) || is_nonfinite(t[1]) || is_nonfinite(t[2]))) {
+      ++counts_.nonfinite_faces;
+      continue;
+    }
+    for (const std::uint64_t v : t) note_used(v);
+    note_sample(ordinal, t);
     const std::array<std::uint64_t, 3> b{t[0] / block_vertices_, t[1] / block_vertices_,
                                          t[2] / block_vertices_};
     const auto within = [&](std::uint64_t v) { return static_cast<std::uint32_t>(v % block_vertices_); };

@@ -41,6 +41,7 @@ struct RawVertices {
 /// What is known after reading.
 struct RawCounts {
   std::uint64_t vertices = 0, triangles = 0;
+  std::uint64_t nonfinite_faces = 0;  ///< left out already: of vertices that were known to be not finite
   AttributeSet attributes;
   bool has_missing_normals = false;  ///< some vertex has none, or a zero one
   MissingAttributes missing;
@@ -96,7 +97,11 @@ class RawSurface final : public MeshSink {
   Result<void> put(Column column, std::span<const std::byte> bytes);
   Result<void> flush(Column column);
   void note_used(std::uint64_t v);
-  void note_sample(const std::array<std::uint64_t, 3>& t);
+  void note_nonfinite(std::span<const Vec3d> block);
+  bool is_nonfinite(std::uint64_t v) const {
+    return v / 64 < nonfinite_.size() && (nonfinite_[v / 64] >> (v % 64) & 1) != 0;
+  }
+  void note_sample(std::uint64_t ordinal, const std::array<std::uint64_t, 3>& t);
 
   RawCounts counts_;
   std::vector<Input> inputs_;
@@ -110,6 +115,7 @@ class RawSurface final : public MeshSink {
   std::unique_ptr<BucketFile> triangles_, corners_;
   std::unique_ptr<BucketFile::Writer> triangle_writer_, corner_writer_;
   std::vector<std::uint64_t> used_;
+  std::vector<std::uint64_t> nonfinite_;  ///< a bit per vertex, empty as long as all are finite
   int used_shift_ = 0;
   std::vector<std::array<std::uint64_t, 3>> sample_;
   std::uint64_t sample_stride_ = 1;

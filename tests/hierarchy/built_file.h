@@ -12,6 +12,7 @@
 
 #include "hierarchy/build_hierarchy.h"
 #include "hierarchy/cuesta_file.h"
+#include "tests/ooc/grid_mesh.h"
 
 namespace cuesta::test {
 
@@ -51,15 +52,31 @@ inline BuildOptions small_cells() {
   return options;
 }
 
-/// Cleans and builds; a failure is a failure of the test.
-inline void build_file(SurfaceMesh surface, const std::filesystem::path& path,
-                       const BuildOptions& options = small_cells()) {
-  CleanReport report;
-  CleanOptions clean;
-  clean.make_normals = false;
-  const auto mesh = clean_mesh(std::move(surface), clean, report);
-  ASSERT_TRUE(mesh) << mesh.error().text();
-  const auto built = build_hierarchy(*mesh, path, options);
+/// Chunks of this many triangles, memory for the build, threads of the caller's arena.
+struct BuildWith {
+  std::uint32_t chunk_triangles = 1u << 18;
+  std::uint64_t memory_bytes = std::uint64_t{1} << 30;
+};
+
+/// Ingests and builds in a work folder beside the file.
+inline Result<BuildReport> try_build(const SurfaceMesh& mesh, const std::filesystem::path& path,
+                                     const BuildOptions& options = small_cells(), const BuildWith& with = {},
+                                     const BuildProgress& progress = {}) {
+  auto folder = WorkFolder::open(path.string() + ".work", "test");
+  if (!folder) return fail(folder.error());
+  MemoryBudget memory(with.memory_bytes);
+  const auto surface = ingest(*folder, {0, false, with.chunk_triangles}, memory,
+                              [&](RawSurface& sink) { return feed(mesh, sink); });
+  if (!surface) return fail(surface.error());
+  auto report = build_hierarchy(*surface, path, options, *folder, memory, progress);
+  if (report) folder->remove();
+  return report;
+}
+
+/// A failure is a failure of the test.
+inline void build_file(const SurfaceMesh& surface, const std::filesystem::path& path,
+                       const BuildOptions& options = small_cells(), const BuildWith& with = {}) {
+  const auto built = try_build(surface, path, options, with);
   ASSERT_TRUE(built) << built.error().text();
 }
 

@@ -84,11 +84,8 @@ TEST(Build, several_rounds_where_there_is_work) {
 
 TEST(Build, cancelled_leaves_no_file) {
   TemporaryFolder folder;
-  CleanReport report;
-  const auto mesh = clean_mesh(bumpy_sphere(20), {}, report);
-  ASSERT_TRUE(mesh);
-  const auto built = build_hierarchy(*mesh, folder / "a.cuesta", small_cells(),
-                                     [](std::string_view, std::uint64_t, std::uint64_t) { return false; });
+  const auto built = try_build(bumpy_sphere(20), folder / "a.cuesta", small_cells(), {},
+                               [](std::string_view, std::uint64_t, std::uint64_t) { return false; });
   ASSERT_FALSE(built);
   EXPECT_EQ(built.error().code, ErrorCode::cancelled);
   EXPECT_FALSE(std::filesystem::exists(folder / "a.cuesta"));

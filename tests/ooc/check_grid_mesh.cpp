@@ -1,11 +1,11 @@
-#include "ooc/check_grid_mesh.h"
+#include "tests/ooc/check_grid_mesh.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <tuple>
 
-namespace cuesta {
+namespace cuesta::test {
 namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
@@ -185,4 +185,4 @@ std::string find_violation(const GridMesh& mesh) {
   return check_fans(mesh, edges);
 }
 
-}  // namespace cuesta
+}  // namespace cuesta::test

@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "ooc/grid_mesh.h"
+#include "tests/ooc/grid_mesh.h"
 
-namespace cuesta {
+namespace cuesta::test {
 
 /// @return "" or a sentence that names the first invariant found violated, with its indices: sizes and
 /// ranges, grid,
@@ -14,4 +14,4 @@ namespace cuesta {
 /// @cost   O(n log n), about 150 bytes per triangle. Never fails, whatever the mesh holds.
 std::string find_violation(const GridMesh& mesh);
 
-}  // namespace cuesta
+}  // namespace cuesta::test

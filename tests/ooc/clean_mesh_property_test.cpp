@@ -11,8 +11,8 @@
 #include <random>
 #include <string>
 
-#include "ooc/check_grid_mesh.h"
-#include "ooc/grid_mesh.h"
+#include "tests/ooc/check_grid_mesh.h"
+#include "tests/ooc/grid_mesh.h"
 #include "tests/ooc/openmesh_oracle.h"
 #include "tests/ooc/small_meshes.h"
 
@@ -98,7 +98,7 @@ void expect_same(const GridMesh& a, const GridMesh& b) {
 template <class Test>
 void for_random_meshes(Test test) {
   const std::uint32_t seed = first_seed();
-  for (std::uint32_t i = 0; i < 400; ++i) {
+  for (std::uint32_t i = 0; i < 150; ++i) {
     SCOPED_TRACE("CUESTA_TEST_SEED=" + std::to_string(seed + i));
     Random random(seed + i);
     const bool soup = below(random, 4) != 0;
@@ -171,6 +171,42 @@ TEST(CleanMeshProperty, SoupOfASurfaceIsThatSurface) {
     const auto expected = clean(mesh), found = clean(soup_of(mesh));
     ASSERT_TRUE(expected && found);
     expect_same(expected->mesh, found->mesh);
+  });
+}
+
+/// Positions and wedges of each face, in an order that does not depend on how vertices are numbered.
+std::vector<std::array<std::array<int, 4>, 3>> faces_of(const GridMesh& mesh) {
+  std::vector<std::array<std::array<int, 4>, 3>> faces;
+  for (const auto& t : mesh.triangles) {
+    std::array<std::array<int, 4>, 3> face;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3i p = mesh.positions[t[k]];
+      face[k] = {p.x, p.y, p.z, mesh.colours.empty() ? 0 : mesh.colours[t[k]][0]};
+    }
+    std::ranges::rotate(face, std::ranges::min_element(face));
+    faces.push_back(face);
+  }
+  std::ranges::sort(faces);
+  return faces;
+}
+
+/// Chunks of a few triangles: most points are shared by several, and all decisions are the same.
+TEST(CleanMeshProperty, ChunksDoNotMatter) {
+  for_random_meshes([](Random& random, const SurfaceMesh& mesh) {
+    const auto whole = clean(mesh);
+    const auto chunked = clean(mesh, {.chunk_triangles = 1 + below(random, 30)});
+    ASSERT_EQ(whole.has_value(), chunked.has_value());
+    if (!whole) return;
+    EXPECT_EQ(find_violation(chunked->mesh), "");
+    EXPECT_EQ(faces_of(whole->mesh), faces_of(chunked->mesh));
+    EXPECT_EQ(whole->mesh.positions.size(), chunked->mesh.positions.size());
+    const CleanReport &a = whole->report, &b = chunked->report;
+    EXPECT_EQ(a.vertices_welded, b.vertices_welded);
+    EXPECT_EQ(a.vertices_split, b.vertices_split);
+    EXPECT_EQ(a.vertices_unused, b.vertices_unused);
+    EXPECT_EQ(a.edges_nonmanifold, b.edges_nonmanifold);
+    EXPECT_EQ(a.faces_duplicate, b.faces_duplicate);
+    EXPECT_EQ(a.wedge_groups, b.wedge_groups);
   });
 }
 

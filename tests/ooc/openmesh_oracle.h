@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "ooc/grid_mesh.h"
+#include "tests/ooc/grid_mesh.h"
 
 namespace cuesta::test {
 
