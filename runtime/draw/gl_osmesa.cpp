@@ -1,4 +1,5 @@
 #include <GL/osmesa.h>
+#include <dlfcn.h>
 
 #include <cstdint>
 #include <vector>
@@ -9,25 +10,58 @@
 namespace cuesta {
 namespace {
 
+/// The library, loaded when the first context is made: it brings LLVM, 40 MiB of memory that a program that
+/// draws nothing (a build within a budget, a server) should not pay for.
+struct OsMesa {
+  decltype(&OSMesaCreateContextAttribs) create = nullptr;
+  decltype(&OSMesaDestroyContext) destroy = nullptr;
+  decltype(&OSMesaMakeCurrent) make_current = nullptr;
+  decltype(&OSMesaGetCurrentContext) current = nullptr;
+  decltype(&OSMesaGetProcAddress) proc = nullptr;
+};
+
+template <class F>
+bool find(void* library, const char* name, F& function) {
+  function = reinterpret_cast<F>(::dlsym(library, name));
+  return function != nullptr;
+}
+
+/// Null if the system has no OSMesa. Stays loaded.
+const OsMesa* osmesa() {
+  static const OsMesa functions = [] {
+    OsMesa f;
+    void* const library = ::dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
+    const bool found = library && find(library, "OSMesaCreateContextAttribs", f.create) &&
+                       find(library, "OSMesaDestroyContext", f.destroy) &&
+                       find(library, "OSMesaMakeCurrent", f.make_current) &&
+                       find(library, "OSMesaGetCurrentContext", f.current) &&
+                       find(library, "OSMesaGetProcAddress", f.proc);
+    return found ? f : OsMesa{};
+  }();
+  return functions.proc ? &functions : nullptr;
+}
+
 class OsMesaContext final : public GlContext {
  public:
-  OsMesaContext(OSMesaContext context, int width_px, int height_px)
-      : context_(context),
+  OsMesaContext(const OsMesa& library, OSMesaContext context, int width_px, int height_px)
+      : library_(library),
+        context_(context),
         width_px_(width_px),
         height_px_(height_px),
         pixels_(static_cast<std::size_t>(width_px) * static_cast<std::size_t>(height_px)) {}
   OsMesaContext(const OsMesaContext&) = delete;
   OsMesaContext& operator=(const OsMesaContext&) = delete;
-  ~OsMesaContext() override { OSMesaDestroyContext(context_); }
+  ~OsMesaContext() override { library_.destroy(context_); }
 
   bool make_current() override {
-    if (OSMesaGetCurrentContext() == context_) return true;
-    return OSMesaMakeCurrent(context_, pixels_.data(), GL_UNSIGNED_BYTE, width_px_, height_px_) == GL_TRUE;
+    if (library_.current() == context_) return true;
+    return library_.make_current(context_, pixels_.data(), GL_UNSIGNED_BYTE, width_px_, height_px_) == GL_TRUE;
   }
-  GlProc proc(const char* name) const override { return OSMesaGetProcAddress(name); }
+  GlProc proc(const char* name) const override { return library_.proc(name); }
   std::string_view kind() const override { return "osmesa"; }
 
  private:
+  const OsMesa& library_;
   OSMesaContext context_;
   int width_px_, height_px_;
   std::vector<std::uint32_t> pixels_;  ///< the default framebuffer, which must outlive the context
@@ -46,9 +80,13 @@ Result<std::unique_ptr<GlContext>> make_osmesa_context(int width_px, int height_
                             OSMESA_CONTEXT_MINOR_VERSION,
                             3,
                             0};
-  const OSMesaContext handle = OSMesaCreateContextAttribs(attributes, nullptr);
+  const OsMesa* const library = osmesa();
+  if (!library)
+    return fail(ErrorCode::not_found, "libOSMesa.so.8", "",
+                "drawing without a screen needs OSMesa; install it (Debian: libosmesa6)");
+  const OSMesaContext handle = library->create(attributes, nullptr);
   if (!handle) return fail(ErrorCode::io, "", "", "OSMesa gives no OpenGL 3.3 core context");
-  auto context = std::make_unique<OsMesaContext>(handle, width_px, height_px);
+  auto context = std::make_unique<OsMesaContext>(*library, handle, width_px, height_px);
   if (!context->make_current()) return fail(ErrorCode::io, "", "", "OSMesa cannot make its context current");
   return std::unique_ptr<GlContext>(std::move(context));
 }
