@@ -127,18 +127,13 @@ class HierarchyBuilder {
       if (!last) return fail(last.error());
       end = last->container_end;
     }
-    if (end > 0) {
-      auto writer = ContainerWriter::resume(path, end);
-      if (writer) {
-        writer_.emplace(std::move(*writer));
-        writer_->keep_part();
-        return {};
-      }
+    // Chunks that were used are gone, so without the part there is nothing to go on from.
+    auto writer = end > 0 ? ContainerWriter::resume(path, end) : ContainerWriter::create(path);
+    if (!writer) {
+      Error error = writer.error();
+      if (end > 0) error.message += "; start over with --resume=never";
+      return fail(error);
     }
-    for (std::uint32_t r = 0; r < rounds; ++r)
-      if (auto erased = folder_.journal().erase(stage_of(r)); !erased) return erased;
-    auto writer = ContainerWriter::create(path);
-    if (!writer) return fail(writer.error());
     writer_.emplace(std::move(*writer));
     writer_->keep_part();
     return {};
@@ -198,8 +193,10 @@ class HierarchyBuilder {
     }
     const auto path = survivors_path(next.round);
     auto file = *finished > 0 ? FileHandle::open(path) : FileHandle::create(path);
-    if (!file) return fail(file.error());
-    next.file = std::make_unique<FileHandle>(std::move(*file));
+    // An earlier run has removed them if it finished the next round too.
+    const bool gone = !file && file.error().code == ErrorCode::not_found && *finished == plan.chunks;
+    if (!file && !gone) return fail(file.error());
+    if (!gone) next.file = std::make_unique<FileHandle>(std::move(*file));
 
     const std::uint64_t cells = plan.base ? 0 : arena_threads() * options_.cell_triangles;
     auto for_cells = memory_.reserve(cells * cell_bytes_per_triangle, "simplifying cells");
@@ -231,6 +228,9 @@ class HierarchyBuilder {
       chunk = std::move(input->chunk);
       partition = std::move(input->cells);
     } else {
+      if (!state.file)
+        return fail(ErrorCode::corrupt, survivors_path(state.round).string(), "",
+                    "the survivors of a round are gone; start over with --resume=never");
       ChunkCollector collector(*plan.tree, c);
       for (const std::uint32_t i : plan.pages[c]) {
         const SurvivingPage& page = state.pages[i];

@@ -92,7 +92,9 @@ class Ingest {
     auto known = folder_.journal().find("read", 0);
     if (!known) return fail(known.error());
     if (!*known) {
-      const std::uint64_t block = std::max<std::uint64_t>(1, memory_.limit_bytes() * 2 / 5 / raw_vertex_bytes);
+      const std::uint64_t block = options_.block_vertices > 0
+                                      ? options_.block_vertices
+                                      : memory_.limit_bytes() * 2 / 5 / raw_vertex_bytes + 1;
       auto raw = RawSurface::create(folder_.path(), block);
       if (!raw) return fail(raw.error());
       auto inputs = read(*raw);

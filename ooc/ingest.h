@@ -34,6 +34,9 @@ struct IngestOptions {
   bool make_normals = true;
   /// Chunks have about this many triangles. Decides which vertices stay for the second round, and memory.
   std::uint32_t chunk_triangles = 1u << 18;
+  /// Vertices that are joined with their triangles at one time; 0: what fits in 2/5 of the memory. Does not
+  /// change the result.
+  std::uint64_t block_vertices = 0;
 };
 
 /// A clean surface on disk, in chunks.

@@ -21,7 +21,7 @@ Statement prepare(sqlite3* db, const char* sql) {
   return Statement(s);
 }
 
-void bind(sqlite3_stmt* s, int at, std::string_view text) {
+void bind_text(sqlite3_stmt* s, int at, std::string_view text) {
   sqlite3_bind_text(s, at, text.data(), static_cast<int>(text.size()), SQLITE_TRANSIENT);
 }
 
@@ -63,7 +63,7 @@ Result<Journal> Journal::open(const std::filesystem::path& path, const std::stri
     const Statement same = prepare(db, "SELECT 1 FROM build WHERE version = ? AND fingerprint = ?");
     if (!same) return journal.error("cannot read the journal");
     sqlite3_bind_int(same.get(), 1, layout_version);
-    bind(same.get(), 2, fingerprint);
+    bind_text(same.get(), 2, fingerprint);
     journal.resumed_ = sqlite3_step(same.get()) == SQLITE_ROW;
   }
   if (journal.resumed_) {
@@ -75,7 +75,7 @@ Result<Journal> Journal::open(const std::filesystem::path& path, const std::stri
   const Statement insert = prepare(db, "INSERT INTO build VALUES (?, ?)");
   if (!insert) return journal.error("cannot write the journal");
   sqlite3_bind_int(insert.get(), 1, layout_version);
-  bind(insert.get(), 2, fingerprint);
+  bind_text(insert.get(), 2, fingerprint);
   if (sqlite3_step(insert.get()) != SQLITE_DONE) return journal.error("cannot write the journal");
   return journal;
 }
@@ -84,7 +84,7 @@ Result<std::optional<std::vector<std::byte>>> Journal::find(std::string_view sta
                                                             std::uint64_t number) const {
   const Statement s = prepare(db_.get(), "SELECT result FROM task WHERE stage = ? AND number = ?");
   if (!s) return error("cannot read the journal");
-  bind(s.get(), 1, stage);
+  bind_text(s.get(), 1, stage);
   sqlite3_bind_int64(s.get(), 2, static_cast<sqlite3_int64>(number));
   const int step = sqlite3_step(s.get());
   if (step == SQLITE_DONE) return std::nullopt;
@@ -97,7 +97,7 @@ Result<std::optional<std::vector<std::byte>>> Journal::find(std::string_view sta
 Result<std::uint64_t> Journal::count(std::string_view stage) const {
   const Statement s = prepare(db_.get(), "SELECT count(*) FROM task WHERE stage = ?");
   if (!s) return error("cannot read the journal");
-  bind(s.get(), 1, stage);
+  bind_text(s.get(), 1, stage);
   if (sqlite3_step(s.get()) != SQLITE_ROW) return error("cannot read the journal");
   return static_cast<std::uint64_t>(sqlite3_column_int64(s.get(), 0));
 }
@@ -106,18 +106,10 @@ Result<void> Journal::record(std::string_view stage, std::uint64_t number,
                              std::span<const std::byte> result) {
   const Statement s = prepare(db_.get(), "INSERT OR REPLACE INTO task VALUES (?, ?, ?)");
   if (!s) return error("cannot write the journal");
-  bind(s.get(), 1, stage);
+  bind_text(s.get(), 1, stage);
   sqlite3_bind_int64(s.get(), 2, static_cast<sqlite3_int64>(number));
   sqlite3_bind_blob64(s.get(), 3, result.empty() ? "" : static_cast<const void*>(result.data()),
                       result.size(), SQLITE_TRANSIENT);
-  if (sqlite3_step(s.get()) != SQLITE_DONE) return error("cannot write the journal");
-  return {};
-}
-
-Result<void> Journal::erase(std::string_view stage) {
-  const Statement s = prepare(db_.get(), "DELETE FROM task WHERE stage = ?");
-  if (!s) return error("cannot write the journal");
-  bind(s.get(), 1, stage);
   if (sqlite3_step(s.get()) != SQLITE_DONE) return error("cannot write the journal");
   return {};
 }

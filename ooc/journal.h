@@ -36,8 +36,6 @@ class Journal {
   Result<std::optional<std::vector<std::byte>>> find(std::string_view stage, std::uint64_t number) const;
   /// How many tasks of the stage are finished. Tasks that are recorded in order are then 0 … count - 1.
   Result<std::uint64_t> count(std::string_view stage) const;
-  /// The stage is not begun.
-  Result<void> erase(std::string_view stage);
   /// Nothing can be recorded any more.
   void close() { db_.reset(); }
   Result<void> record(std::string_view stage, std::uint64_t number, std::span<const std::byte> result);

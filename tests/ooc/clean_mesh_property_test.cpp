@@ -210,6 +210,17 @@ TEST(CleanMeshProperty, ChunksDoNotMatter) {
   });
 }
 
+/// Triangles that reach over many blocks of vertices are joined as those within one are.
+TEST(CleanMeshProperty, BlocksDoNotMatter) {
+  for_random_meshes([](Random& random, const SurfaceMesh& mesh) {
+    const std::uint32_t chunk = 1 + below(random, 60);
+    const auto one = clean(mesh, {.chunk_triangles = chunk});
+    const auto many = clean(mesh, {.chunk_triangles = chunk, .block_vertices = 1 + below(random, 40)});
+    ASSERT_EQ(one.has_value(), many.has_value());
+    if (one) expect_same(one->mesh, many->mesh);
+  });
+}
+
 /// A checker that finds nothing in damaged meshes would make every test above pass.
 TEST(FindViolation, SeesEachKindOfDamage) {
   CleanReport report;

@@ -89,7 +89,7 @@ Result<GridMesh> clean_mesh(const SurfaceMesh& mesh, const CleanOptions& options
   auto folder = WorkFolder::open(path, "test");
   if (!folder) return fail(folder.error());
   MemoryBudget memory(std::uint64_t{1} << 30);
-  auto surface = ingest(*folder, {options.step, options.make_normals, options.chunk_triangles}, memory,
+  auto surface = ingest(*folder, {options.step, options.make_normals, options.chunk_triangles, options.block_vertices}, memory,
                         [&](RawSurface& sink) { return feed(mesh, sink); });
   Result<GridMesh> out;
   if (surface) {
