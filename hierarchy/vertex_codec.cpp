@@ -105,7 +105,7 @@ std::optional<std::array<std::int64_t, 2>> oct_of(const Normal& n) {
 }
 
 /// The code of what is known of a vertex's normal from its triangles; else the code of the vertex before.
-std::array<std::int64_t, 2> guessed_normal(const Normal& known, const OwnedVertices& owned,
+std::array<std::int64_t, 2> guessed_normal(const Normal& known, const VertexTable& owned,
                                            std::size_t vertex) {
   if (const auto code = oct_of(known)) return *code;
   if (vertex == 0) return {0, 0};
@@ -142,7 +142,7 @@ std::vector<Plane> pack_positions(const OwnedMesh& mesh, const std::vector<Vec3i
 
 std::vector<Plane> pack_normals(const OwnedMesh& mesh, const Page& page) {
   NumberWriter numbers(normal_planes - 1);
-  const OwnedVertices& owned = page.owned;
+  const VertexTable& owned = page.owned;
   const auto known = owned.normals.empty() ? std::vector<Normal>{} : known_normals(mesh, page);
   for (std::size_t v = 0; v < owned.normals.size(); ++v) {
     const auto guess = guessed_normal(known[v], owned, v);
@@ -192,7 +192,7 @@ bool unpack_positions(std::span<const Plane> planes, const OwnedMesh& mesh, std:
 
 bool unpack_normals(std::span<const Plane> planes, const OwnedMesh& mesh, Page& page) {
   NumberReader numbers(planes);
-  OwnedVertices& owned = page.owned;
+  VertexTable& owned = page.owned;
   const auto known = known_normals(mesh, page);
   owned.normals.resize(mesh.count());
   for (std::size_t v = 0; v < owned.normals.size(); ++v) {

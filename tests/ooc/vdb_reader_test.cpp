@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "ooc/check_grid_mesh.h"
-#include "ooc/grid_mesh.h"
+#include "tests/ooc/check_grid_mesh.h"
+#include "tests/ooc/grid_mesh.h"
 #include "tests/ooc/mesh_files.h"
 
 namespace cuesta {
@@ -236,9 +236,9 @@ TEST(VdbReader, CleaningFindsAManifoldWithoutBorders) {
   for (const double adaptivity : {0.0, 0.1}) {
     CleanReport report;
     auto mesh =
-        clean_mesh(load(save(folder, {torus()}), {.adaptivity = adaptivity, .block_voxels = 32}), {}, report);
+        test::clean_mesh(load(save(folder, {torus()}), {.adaptivity = adaptivity, .block_voxels = 32}), {}, report);
     ASSERT_TRUE(mesh) << mesh.error().text();
-    EXPECT_EQ(find_violation(*mesh), "");
+    EXPECT_EQ(test::find_violation(*mesh), "");
     EXPECT_EQ(report.edges_nonmanifold, 0u);
     EXPECT_GT(report.vertices_welded, 0u);
     EXPECT_EQ(report.wedge_groups, 0u);
