@@ -17,7 +17,7 @@ struct Birth {
 };
 
 /// A triangle takes at most this many samples from one round into the next; which, SampleChoice says.
-inline constexpr std::uint32_t max_triangle_samples = 32;
+inline constexpr std::uint32_t max_triangle_samples = 64;
 
 /// Samples of the original surface that triangles stand for: sample i of triangle t is
 /// points[begin[t] + i], grid units. `begin` has one element more than there are triangles.

@@ -1,27 +1,30 @@
 #include "hierarchy/page_order.h"
 
 #include <meshoptimizer.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <numeric>
 
+#include "hierarchy/substitution_kernel.h"
+
 namespace cuesta {
 namespace {
 
-/// A cell's triangles in strip order.
-void put_into_strips(std::span<Triangle> cell) {
-  std::vector<std::uint32_t> vertices;
-  vertices.reserve(cell.size() * 3);
-  for (const Triangle& t : cell) vertices.insert(vertices.end(), t.begin(), t.end());
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  std::vector<std::uint32_t> local;
+/// A cell's triangles in strip order. @param number  per vertex of the chunk, all `none`; left so
+void put_into_strips(std::span<Triangle> cell, std::vector<std::uint32_t>& number) {
+  std::vector<std::uint32_t> vertices, local;
   local.reserve(cell.size() * 3);
   for (const Triangle& t : cell)
-    for (std::uint32_t v : t)
-      local.push_back(static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), v) -
-                                                 vertices.begin()));
+    for (std::uint32_t v : t) {
+      if (number[v] == none) {
+        number[v] = static_cast<std::uint32_t>(vertices.size());
+        vertices.push_back(v);
+      }
+      local.push_back(number[v]);
+    }
+  for (std::uint32_t v : vertices) number[v] = none;
   std::vector<std::uint32_t> ordered(local.size());
   meshopt_optimizeVertexCacheStrip(ordered.data(), local.data(), local.size(), vertices.size());
   for (std::size_t i = 0; i < cell.size(); ++i)
@@ -97,8 +100,11 @@ Partition order_for_pages(RoundChunk& chunk, VertexId first_free, std::uint32_t 
   for (std::uint32_t t : cells.order) ordered.push_back(chunk.triangles[t]);
   chunk.triangles = std::move(ordered);
   std::iota(cells.order.begin(), cells.order.end(), 0u);
+  tbb::enumerable_thread_specific<std::vector<std::uint32_t>> numbers(
+      [&] { return std::vector<std::uint32_t>(chunk.ids.size(), none); });
   tbb::parallel_for(0u, cells.cell_count(), [&](std::uint32_t c) {
-    put_into_strips(std::span(chunk.triangles).subspan(cells.begin[c], cells.begin[c + 1] - cells.begin[c]));
+    const auto run = std::span(chunk.triangles).subspan(cells.begin[c], cells.begin[c + 1] - cells.begin[c]);
+    put_into_strips(run, numbers.local());
   });
   renumber(chunk, first_free);
   return cells;

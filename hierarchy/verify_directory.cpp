@@ -107,7 +107,7 @@ void check_vertex_total(const Directory& d, std::uint64_t orphans, VerifyReport&
 }
 
 void check_entry(PageId id, const PageEntry& e, const Page& page, std::span<const Vec3i> positions,
-                 const PageSurvivors& survivors, VerifyReport& report) {
+                 const ReplayedSurvivors& survivors, VerifyReport& report) {
   const auto triangles =
       static_cast<std::uint32_t>(page.base ? page.triangles.size() : survivors.removed_triangles);
   if (triangles != e.owned_triangles)

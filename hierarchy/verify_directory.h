@@ -17,7 +17,7 @@ void check_vertex_total(const Directory& directory, std::uint64_t orphans, Verif
 
 /// One entry against its page. @param positions one per local vertex.
 void check_entry(PageId id, const PageEntry& entry, const Page& page, std::span<const Vec3i> positions,
-                 const PageSurvivors& survivors, VerifyReport& report);
+                 const ReplayedSurvivors& survivors, VerifyReport& report);
 
 /// For each page, the pages of the round before that name it as coarser, ascending.
 std::vector<std::vector<PageId>> source_pages(const Directory& directory);

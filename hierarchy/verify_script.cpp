@@ -26,7 +26,7 @@ class ScriptCheck {
         report_(report),
         mesh_(page, positions) {}
 
-  PageSurvivors run() {
+  ReplayedSurvivors run() {
     for (const Fan& fan : page_.script.fans) check_fan(fan);
     report_.fans += page_.script.fans.size();
     return survivors();
@@ -212,8 +212,8 @@ class ScriptCheck {
     report_.add(Check::saturated, id_, number_, arrow(child) + what);
   }
 
-  PageSurvivors survivors() {
-    PageSurvivors out;
+  ReplayedSurvivors survivors() {
+    ReplayedSurvivors out;
     const auto owned = page_.base ? std::vector<std::uint8_t>(page_.vertex_count, 0) : owned_vertices(page_);
     std::vector<std::uint32_t> rank(page_.vertex_count, 0);
     std::vector<std::uint8_t> used(page_.vertex_count, 0);
@@ -254,7 +254,7 @@ class ScriptCheck {
 
 }  // namespace
 
-PageSurvivors verify_script(PageId id, const Page& page, std::span<const Vec3i> positions,
+ReplayedSurvivors verify_script(PageId id, const Page& page, std::span<const Vec3i> positions,
                             std::vector<Birth> births, VerifyReport& report) {
   return ScriptCheck(id, page, positions, std::move(births), report).run();
 }

@@ -16,7 +16,7 @@ namespace cuesta {
 inline constexpr double least_turn_cosine = 0.199;
 
 /// What is left of a page's mesh. Vertices are numbered among the survivors, as source tables do.
-struct PageSurvivors {
+struct ReplayedSurvivors {
   std::uint32_t vertices = 0;
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< lowest vertex first
   std::vector<Birth> births;                            ///< one per triangle
@@ -26,7 +26,7 @@ struct PageSurvivors {
 /// @param positions  one per local vertex
 /// @param births     one per triangle: of the fan that changed it last, in a finer page
 /// @cost about 2 µs per substitution; 150 bytes per triangle.
-PageSurvivors verify_script(PageId id, const Page& page, std::span<const Vec3i> positions,
+ReplayedSurvivors verify_script(PageId id, const Page& page, std::span<const Vec3i> positions,
                             std::vector<Birth> births, VerifyReport& report);
 
 }  // namespace cuesta

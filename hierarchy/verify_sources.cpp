@@ -41,7 +41,7 @@ std::array<std::uint32_t, 3> renamed(std::array<std::uint32_t, 3> t, std::span<c
 
 }  // namespace
 
-ClaimedSurvivors claimable(PageSurvivors survivors, std::uint32_t coarser_pages) {
+ClaimedSurvivors claimable(ReplayedSurvivors survivors, std::uint32_t coarser_pages) {
   ClaimedSurvivors c;
   c.triangle_claims.assign(survivors.triangles.size(), 0);
   c.vertex_claims.assign(survivors.vertices, 0);

@@ -12,14 +12,14 @@ namespace cuesta {
 
 /// A page's survivors while coarser pages claim them.
 struct ClaimedSurvivors {
-  PageSurvivors survivors;
+  ReplayedSurvivors survivors;
   std::vector<std::uint8_t> triangle_claims;  ///< how many coarser pages have it, at most 255
   std::vector<std::uint8_t> vertex_claims;
   std::vector<std::uint8_t> vertex_owners;  ///< how many of these remove it
   std::uint32_t pages_left = 0;             ///< coarser pages that have not been looked at
 };
 
-ClaimedSurvivors claimable(PageSurvivors survivors, std::uint32_t coarser_pages);
+ClaimedSurvivors claimable(ReplayedSurvivors survivors, std::uint32_t coarser_pages);
 
 /// Checks one source of a page and counts its claims: corners agree, and numbers are in range.
 /// @param removed  per local vertex: a substitution of the page takes it (an orphan may be kept by another
