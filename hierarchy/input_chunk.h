@@ -13,8 +13,9 @@ struct InputChunk {
   Partition cells;  ///< runs of its triangles
 };
 
-/// Reads chunk c, gives vertices that it shares with others the numbers that those know, and puts all in the
-/// order in which pages store it. Pure.   @error io, corrupt
+/// Reads chunk c and the letters to it, gives vertices that it shares with others the numbers that those
+/// know, and puts all in the order in which pages store it. Depends on nothing but the surface.
+/// @error io, corrupt
 Result<InputChunk> load_input_chunk(const InputSurface& surface, std::uint32_t c,
                                     std::uint32_t cell_triangles);
 

@@ -1,6 +1,7 @@
 #pragma once
 /// What a page of one round leaves to the next: the surviving triangles, with all that the next round's cells
-/// need of them. The only data that pass from round to round.
+/// need of them. The only data that pass from round to round, beside the facts in the journal (CellFacts)
+/// that plan it.
 
 #include <cstddef>
 #include <span>
@@ -12,6 +13,7 @@
 
 namespace cuesta {
 
+/// 24 to 40 bytes per vertex; per triangle 36 and its samples, 12 bytes each.
 struct PageSurvivors {
   std::vector<VertexId> ids;         ///< ascending
   std::vector<std::uint32_t> wedge;  ///< place of each vertex in its wedge group
@@ -25,11 +27,13 @@ std::vector<std::byte> encode_survivors(const PageSurvivors& survivors);
 /// @error corrupt
 Result<PageSurvivors> decode_survivors(std::span<const std::byte> bytes);
 
-/// Takes what lies in one leaf of a round's tree from the survivors of the pages that touch it.
+/// Takes the triangles whose centres lie in one leaf of a round's tree from the survivors of pages. Corners
+/// may lie outside; those are locked, and so are groups that triangles of other leaves use.
 class ChunkCollector {
  public:
   ChunkCollector(const SpaceTree& tree, std::uint32_t leaf) : tree_(tree), leaf_(leaf) {}
-  /// Call for every page with a vertex in the leaf, in ascending order.
+  /// Call for every page with a vertex or a triangle's centre in the leaf (others do no harm), in ascending
+  /// order.
   void add(PageId page, PageSurvivors survivors);
   RoundChunk take();
 

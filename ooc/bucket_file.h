@@ -19,7 +19,8 @@ namespace cuesta {
 /// Records of different writers come in no particular order: a reader that needs one sorts them.
 class BucketFile {
  public:
-  /// A run of a bucket's bytes in the file.
+  /// A run of a bucket's bytes in the file: one for each time that a writer's buffer was full. In memory, 16
+  /// bytes each.
   struct Extent {
     std::uint64_t offset = 0;
     std::uint32_t bytes = 0;
@@ -42,15 +43,15 @@ class BucketFile {
   Result<std::vector<std::byte>> read_piece(std::uint32_t bucket, std::size_t piece) const;
   std::uint64_t total_bytes() const { return end_->load(); }
   std::uint32_t bucket_count() const { return static_cast<std::uint32_t>(extents_.size()); }
-  /// Gives a bucket's disk space back.
+  /// Gives a bucket's disk space back; of pieces smaller than a block of the file system, nothing.
   void discard(std::uint32_t bucket) const;
   Result<void> sync() const { return file_.sync(); }
 
-  /// Appends for one thread. Holds `buffer_bytes` for each bucket that it has met.
+  /// Appends for one thread. Holds `buffer_bytes` for each bucket that it has met, until it goes.
   class Writer {
    public:
     Writer(BucketFile& file, std::uint32_t buffer_bytes) : file_(file), buffer_bytes_(buffer_bytes) {}
-    /// A record stays in one piece. @error out_of_budget (disk full), io
+    /// A record stays in one piece. @pre no longer than the buffer. @error out_of_budget (disk full), io
     Result<void> append(std::uint32_t bucket, std::span<const std::byte> record);
     template <class T>
     Result<void> append(std::uint32_t bucket, const T& record) {

@@ -21,9 +21,11 @@ using TriangleProgress = std::function<bool(std::uint64_t triangles_done)>;
 /// left out.
 ///
 /// A triangle whose corners are in one block of vertices is joined when that block is in memory. The corners
-/// of the others are joined block by block, and brought together again by their triangle's ordinal.
+/// of the others are joined block by block, and brought together again by their triangle's ordinal: 144 bytes
+/// of disk for each such triangle, in `folder`, until that is done.
 /// @param tree   over grid positions, in the identity frame
 /// @return number of triangles left out
+/// @pre    `soup` is new
 /// @error out_of_budget (memory for a block; disk), io, cancelled
 Result<std::uint64_t> distribute(const RawSurface& raw, const Grid& grid, const SpaceTree& tree,
                                  const SoupLayout& layout, MemoryBudget& memory,

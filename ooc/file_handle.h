@@ -1,6 +1,7 @@
 #pragma once
-/// An open file: positioned reads and writes of whole ranges, errors with name and place. Every file that
-/// Cuesta writes goes through here, so one hook can make any of them fail (tests of full and failing disks).
+/// An open file: positioned reads and writes of whole ranges, errors with name and place. Outputs and the
+/// work files of builds go through here, so one hook can make any of them fail (tests of full and failing
+/// disks). Only TempFile and the journal do not.
 
 #include <cstddef>
 #include <cstdint>
@@ -32,7 +33,8 @@ class FileHandle {
   Result<std::uint64_t> size() const;
   /// What was written is on the disk.
   Result<void> sync() const;
-  /// Gives a range's disk space back where the file system can; it reads as zeros then.
+  /// Gives a range's disk space back where the file system can: whole blocks of it (4 KiB, mostly) that lie
+  /// in the range. The range reads as zeros then.
   void discard(std::uint64_t offset, std::uint64_t bytes) const;
   /// Asks the system to read a range ahead. Never waits.
   void prefetch(std::uint64_t offset, std::uint64_t bytes) const;

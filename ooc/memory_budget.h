@@ -1,5 +1,6 @@
 #pragma once
-/// The memory that a build was given: what is large is reserved before it is allocated.
+/// The memory that a build was given: what is large is reserved before it is allocated. Reading has a budget
+/// of its own (ReadBudget), half of it, before anything is reserved here.
 
 #include <atomic>
 #include <cstdint>
@@ -10,10 +11,12 @@
 
 namespace cuesta {
 
-/// A build holds at most this much beside its budget: the program itself, its libraries and stacks, blocks of
-/// the allocator that are not full.
+/// Meant for what a build holds beside its budget: the program itself, its libraries and stacks, blocks of
+/// the allocator that are not full. What is kept per page and per piece of a bucket file is not reserved
+/// either, and is more from 10^8 triangles on.
 inline constexpr std::uint64_t memory_overhead_bytes = std::uint64_t{64} << 20;
-/// The least that any input can be built with.
+/// A build with less is not begun. With this much any input can be built that is read in parts, with cells of
+/// 2^15 triangles and up to nine threads.
 inline constexpr std::uint64_t least_memory_bytes = std::uint64_t{256} << 20;
 
 /// A hard limit: a reservation that would exceed it is refused. Thread-safe.

@@ -12,14 +12,15 @@ namespace cuesta {
 
 struct Survey {
   Grid grid;
-  std::vector<Vec3f> samples;  ///< some of its vertices, grid units; at most 2^20
+  std::vector<Vec3f> samples;  ///< of the vertices that are used 2^20 at most, give or take; grid units
   std::uint64_t nonfinite_vertices = 0;
-  std::uint64_t unused_vertices = 0;
-  std::uint64_t used_vertices = 0;
+  std::uint64_t unused_vertices = 0;  ///< finite; of more than 2^29 vertices too few (RawSurface::is_used)
+  std::uint64_t used_vertices = 0;    ///< the others
 };
 
-/// Looks at all vertices that triangles use, in parallel. Vertices are sampled by their numbers.
-/// @pre raw.finish() was called.   @error those of choose_grid() and of reading
+/// Looks at all vertices, in parallel. Those that are sampled are chosen by a hash of their numbers.
+/// @param step  for choose_grid().   @pre raw.finish() was called.
+/// @error those of choose_grid() and of reading.   @cost 6 MiB for each of twice the threads, not reserved
 Result<Survey> survey(const RawSurface& raw, double step);
 
 }  // namespace cuesta

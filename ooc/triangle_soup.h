@@ -20,10 +20,10 @@ struct SoupTriangle {
   std::array<OctNormal, 3> normals;  ///< this and the following: as the layout says
   std::array<Rgba8, 3> colours;
   std::array<FixedTexCoord, 3> texcoords;
-  Vec3f area_normal;  ///< from positions before snapping, as long as twice the area in square grid steps
+  Vec3f area_normal;  ///< from positions before snapping; its length is twice the area, in square grid steps
 };
 
-/// Which parts a record has. 48 to 108 bytes a triangle.
+/// Which parts a record has: 48 to 108 bytes per triangle, 60 with computed normals and nothing else.
 struct SoupLayout {
   AttributeSet attributes;
   bool area_normals = false;

@@ -12,10 +12,10 @@ namespace cuesta {
 /// Stays on disk unless remove() is called. One process at a time.
 class WorkFolder {
  public:
-  /// Makes the folder, or opens the one that an interrupted build of the same `fingerprint` left; whatever a
-  /// build of another fingerprint left is emptied.
-  /// @param resume  false: start over
-  /// @error not_found (its parent), io, out_of_budget
+  /// Makes the folder, or opens the one that an interrupted build of the same `fingerprint` left. A folder
+  /// that is anything else is emptied, whatever is in it.
+  /// @param resume  false: start over; the folder is removed first, also if another process uses it
+  /// @error not_found (its parent), io (also: another process has it), out_of_budget
   static Result<WorkFolder> open(const std::filesystem::path& path, const std::string& fingerprint,
                                  bool resume = true);
 
