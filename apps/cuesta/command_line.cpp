@@ -122,11 +122,12 @@ void add_build(CLI::App& program, Common& common) {
       "Reads PLY, OBJ, STL, OFF, glTF, GLB or Draco; drops what is no surface (degenerate,\n"
       "duplicate and non-finite faces), cuts non-manifold edges, snaps vertices to a grid, and\n"
       "writes all levels of detail into one file. What was dropped is counted and told.\n\n"
-      "Meshes of any size are built in the memory given, with temporary data of about 100 bytes per\n"
+      "Meshes of any size are built in the memory given, with temporary data of 100 to 150 bytes per\n"
       "triangle on disk, in FILE.work. A build that is interrupted, by Ctrl-C, a crash or a full\n"
       "disk, goes on from there when the same command is run again.\n\n"
-      "Any of them may be inside gzip or Zstandard (scan.ply.gz, scan.obj.zst). Several files become one surface, in the order given. Where\n"
-      "only some have an attribute, vertices of the others get computed normals, white, or (0, 0).\n\n"
+      "Any of them may be inside gzip or Zstandard (scan.ply.gz, scan.obj.zst). Several files become\n"
+      "one surface, in the order given. Where only some have an attribute, vertices of the others get\n"
+      "computed normals, white, or (0, 0).\n\n"
       "A volume (OpenVDB, .vdb) is meshed block by block, as it is read: --grid names one of its\n"
       "grids of float, half or double, --iso the value on the surface, --adaptivity merges flat\n"
       "parts. Level sets have their surface at 0 with lower values inside; fog volumes at 0.5\n"
@@ -152,7 +153,7 @@ void add_build(CLI::App& program, Common& common) {
                s.resume = text == "auto";
                return s.resume || text == "never";
              });
-  c.app->add_option("--step", s.step, "grid step in the mesh's units; default: 1/64 of the median edge")
+  c.app->add_option("--step", s.step, "grid step in the mesh's units; default: 1/128 of the median edge")
       ->type_name("S")
       ->check(CLI::PositiveNumber);
   c.app->add_option("--cell", s.cell_triangles, "triangles of a page before it is simplified; default 32768")
