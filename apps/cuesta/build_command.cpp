@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <system_error>
 
 #include "apps/cuesta/build_fingerprint.h"
@@ -110,8 +111,12 @@ Result<void> build_in(WorkFolder& folder, const BuildSettings& s, BuildFacts& fa
   const auto update = [&](std::string_view stage, std::uint64_t done, std::uint64_t total) {
     return progress.update(stage.starts_with("round") ? "build" : stage, Unit::triangles, done, total);
   };
+  IngestOptions ingesting;
+  ingesting.step = s.step;
+  ingesting.make_normals = s.make_normals;
+  ingesting.chunk_triangles = std::max(ingesting.chunk_triangles, s.cell_triangles);
   auto surface = ingest(
-      folder, {s.step, s.make_normals}, memory,
+      folder, ingesting, memory,
       [&](RawSurface& sink) { return read_inputs(s, facts, folder.path(), sink, progress); }, update);
   if (!surface) {
     Error error = surface.error();

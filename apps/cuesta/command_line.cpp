@@ -18,6 +18,7 @@
 #include "apps/cuesta/render_command.h"
 #include "apps/cuesta/text_forms.h"
 #include "apps/cuesta/verify_command.h"
+#include "hierarchy/page_codec.h"
 
 namespace cuesta::app {
 namespace {
@@ -158,7 +159,7 @@ void add_build(CLI::App& program, Common& common) {
       ->check(CLI::PositiveNumber);
   c.app->add_option("--cell", s.cell_triangles, "triangles of a page before it is simplified; default 32768")
       ->type_name("N")
-      ->check(CLI::Range(64u, 1u << 20));
+      ->check(CLI::Range(64u, max_page_elements - 1));
   c.app->add_option("--grid", s.volume.grid, "grid of a volume; default: its first scalar one")
       ->type_name("NAME");
   c.app->add_option("--iso", s.volume.iso, "value on a volume's surface; default: 0 (level set), 0.5 (fog)")
