@@ -1,6 +1,7 @@
 #include "hierarchy/build_hierarchy.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <memory>
@@ -57,9 +58,9 @@ struct RoundState {
 struct RoundPlan {
   bool base = false;
   std::uint32_t chunks = 0;
-  std::optional<SpaceTree> tree;               ///< not in round 0
+  std::optional<SpaceTree> tree;                  ///< not in round 0
   std::vector<std::vector<std::uint32_t>> pages;  ///< per chunk: those of the state with a vertex in it
-  std::uint64_t largest_bytes = 0;             ///< memory of the largest chunk
+  std::uint64_t largest_bytes = 0;                ///< memory of the largest chunk
 };
 
 struct ChunkOutput {
@@ -92,12 +93,12 @@ class HierarchyBuilder {
                     std::to_string(state.triangles) +
                         " triangles cannot be simplified any further: more than fit a base page");
       // A surface that no longer gets smaller (thousands of knots, say) becomes a large base page.
-      base = state.triangles <= options_.cell_triangles ||
-             (rounds_without_progress >= patience && state.triangles <= max_page_elements / 4);
+      base = is_one_chunk(state) &&
+             (state.triangles <= options_.cell_triangles ||
+              (rounds_without_progress >= patience && state.triangles <= max_page_elements / 4));
       auto next = run_round(state, plan(state, base));
       if (!next) return fail(next.error());
-      rounds_without_progress =
-          next->triangles <= state.triangles / 10 * 9 ? 0 : rounds_without_progress + 1;
+      rounds_without_progress = next->triangles <= state.triangles / 10 * 9 ? 0 : rounds_without_progress + 1;
       remove_survivors(state);
       state = std::move(*next);
       ++report_.rounds;
@@ -107,6 +108,8 @@ class HierarchyBuilder {
   }
 
  private:
+  /// Whether a round can be one cell: what was read may be many chunks even if little of it is left.
+  bool is_one_chunk(const RoundState& state) const { return state.round > 0 || surface_.chunk_count() == 1; }
   std::filesystem::path survivors_path(std::uint32_t round) const {
     return folder_.path() / ("survivors." + std::to_string(round));
   }
@@ -131,7 +134,7 @@ class HierarchyBuilder {
     auto writer = end > 0 ? ContainerWriter::resume(path, end) : ContainerWriter::create(path);
     if (!writer) {
       Error error = writer.error();
-      if (end > 0) error.message += "; start over with --resume=never";
+      if (end > 0) error.message += "; run the same command again to start over";
       return fail(error);
     }
     writer_.emplace(std::move(*writer));
@@ -152,7 +155,8 @@ class HierarchyBuilder {
       plan.chunks = surface_.chunk_count();
       std::uint64_t largest = 0;
       for (std::uint32_t c = 0; c < plan.chunks; ++c) largest = std::max(largest, surface_.triangles_of(c));
-      plan.largest_bytes = largest * input_bytes_per_triangle;
+      plan.largest_bytes =
+          largest * (input_bytes_per_triangle + (base ? cell_bytes_per_triangle : std::uint64_t{0}));
       return plan;
     }
     std::vector<Vec3f> centres;
@@ -182,12 +186,16 @@ class HierarchyBuilder {
   Result<RoundState> run_round(const RoundState& state, const RoundPlan& plan) {
     RoundState next;
     next.round = state.round + 1;
+    triangles_in_round_ = 0;
     const auto finished = folder_.journal().count(stage_of(state.round));
     if (!finished) return fail(finished.error());
     std::uint64_t end = 0;
     for (std::uint64_t c = 0; c < *finished; ++c) {
       const auto record = read_record(state.round, c);
       if (!record) return fail(record.error());
+      if (!fits(*record))
+        return fail(ErrorCode::corrupt, "", stage_of(state.round),
+                    "the journal of the build is damaged; run the same command again to start over");
       adopt(*record, next);
       end = record->survivors_end;
     }
@@ -198,20 +206,28 @@ class HierarchyBuilder {
     if (!file && !gone) return fail(file.error());
     if (!gone) next.file = std::make_unique<FileHandle>(std::move(*file));
 
-    const std::uint64_t cells = plan.base ? 0 : arena_threads() * options_.cell_triangles;
-    auto for_cells = memory_.reserve(cells * cell_bytes_per_triangle, "simplifying cells");
+    // As many cells at a time as fit, on as many threads.
+    const std::uint64_t cell_bytes = plan.base ? 0 : options_.cell_triangles * cell_bytes_per_triangle;
+    auto for_cells = memory_.reserve_some(cell_bytes, arena_threads(), "simplifying a cell");
     if (!for_cells) return fail(for_cells.error());
-    auto for_chunks = memory_.reserve_some(plan.largest_bytes, arena_threads() + 1, "a chunk of a round");
+    auto for_chunks = memory_.reserve_some(plan.largest_bytes, for_cells->second + 1, "a chunk of a round");
     if (!for_chunks) return fail(for_chunks.error());
-    auto done = run_in_order<ChunkOutput>(
-        *finished, plan.chunks, for_chunks->second,
-        [&](std::uint64_t c) { return run_chunk(state, plan, static_cast<std::uint32_t>(c)); },
-        [&](std::uint64_t c, ChunkOutput out) -> Result<void> {
-          if (auto r = keep(c, std::move(out), end, state, next); !r) return r;
-          if (state.round == 0) surface_.discard(static_cast<std::uint32_t>(c));
-          return report_progress(state.round);
-        });
+    tbb::task_arena arena(static_cast<int>(for_cells->second));
+    const Result<void> done = arena.execute([&] {
+      return run_in_order<ChunkOutput>(
+          *finished, plan.chunks, for_chunks->second,
+          [&](std::uint64_t c) { return run_chunk(state, plan, static_cast<std::uint32_t>(c)); },
+          [&](std::uint64_t c, ChunkOutput out) -> Result<void> {
+            if (auto r = keep(c, std::move(out), end, state, next); !r) return r;
+            if (state.round == 0) surface_.discard(static_cast<std::uint32_t>(c));
+            return report_progress(state.round);
+          });
+    });
     if (!done) return fail(done.error());
+    if (triangles_in_round_ != state.triangles)
+      return fail(ErrorCode::corrupt, folder_.path().string(), stage_of(state.round),
+                  "expected " + std::to_string(state.triangles) + " triangles in its cells, found " +
+                      std::to_string(triangles_in_round_) + "; run the same command again to start over");
     return next;
   }
 
@@ -230,7 +246,7 @@ class HierarchyBuilder {
     } else {
       if (!state.file)
         return fail(ErrorCode::corrupt, survivors_path(state.round).string(), "",
-                    "the survivors of a round are gone; start over with --resume=never");
+                    "the survivors of a round are gone; run the same command again to start over");
       ChunkCollector collector(*plan.tree, c);
       for (const std::uint32_t i : plan.pages[c]) {
         const SurvivingPage& page = state.pages[i];
@@ -249,9 +265,8 @@ class HierarchyBuilder {
     ChunkOutput out;
     out.cells.resize(cells.cell_count());
     const CellOptions options{state.round, plan.base, options_.round_reduction};
-    tbb::parallel_for(0u, cells.cell_count(), [&](std::uint32_t i) {
-      out.cells[i] = run_cell_task(cells.cell(i), chunk, options);
-    });
+    tbb::parallel_for(0u, cells.cell_count(),
+                      [&](std::uint32_t i) { out.cells[i] = run_cell_task(cells.cell(i), chunk, options); });
     return out;
   }
 
@@ -275,6 +290,14 @@ class HierarchyBuilder {
     return {};
   }
 
+  /// Whether a record of an earlier run names only pages that there are.
+  bool fits(const ChunkRoundRecord& record) const {
+    const auto is_known = [this](PageId source) { return source < directory_.pages.size(); };
+    return std::all_of(record.cells.begin(), record.cells.end(), [&](const CellRecord& cell) {
+      return std::all_of(cell.facts.sources.begin(), cell.facts.sources.end(), is_known);
+    });
+  }
+
   /// Takes over a chunk that is done, in this run or in an earlier one.
   void adopt(const ChunkRoundRecord& record, RoundState& next) {
     for (const CellRecord& cell : record.cells) {
@@ -284,6 +307,7 @@ class HierarchyBuilder {
       // A page's coarser pages are those that name it as a source.
       for (PageId source : facts.sources) directory_.pages[source].coarser.push_back(page);
       done_ += facts.entry.owned_triangles;
+      triangles_in_round_ += facts.entry.triangles;
       report_.fans += facts.fans;
       report_.substitutions += facts.substitutions;
       for (std::size_t s = 0; s < page_stream_count; ++s) report_.stream_bytes[s] += facts.stream_bytes[s];
@@ -344,6 +368,7 @@ class HierarchyBuilder {
   Directory directory_;
   BuildReport report_;
   std::uint64_t done_ = 0;
+  std::uint64_t triangles_in_round_ = 0;
 };
 
 }  // namespace

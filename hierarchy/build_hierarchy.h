@@ -28,9 +28,9 @@ struct BuildReport {
   PageStreamBytes stream_bytes{};
 };
 
-/// Builds and writes `path` from `surface`, in parallel over cells in the calling TBB arena. Same bytes for any
-/// number of threads, any memory, and any number of interruptions: a task (round, chunk) that the folder's
-/// journal knows is not done again.
+/// Builds and writes `path` from `surface`, in parallel over cells in the calling TBB arena. Same bytes for
+/// any number of threads, any memory, and any number of interruptions: a task (round, chunk) that the
+/// folder's journal knows is not done again.
 /// @param surface  ingested into the same folder; its disk space is given back as it is used
 /// @error invalid_input (more than 2^24 grid steps wide), out_of_budget (memory, disk), io, cancelled. Then
 ///        nothing is under `path`; the folder and `<path>.part` keep what is done.

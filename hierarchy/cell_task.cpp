@@ -84,10 +84,10 @@ void describe_survivors(const PageSurvivors& survivors, std::uint32_t next_round
   facts.survivor_triangles = static_cast<std::uint32_t>(survivors.triangles.size());
   const Frame frame = frame_of(next_round);
   for (const Vec3i& p : survivors.vertices.positions) facts.survivor_box.add(turn(frame, vec_cast<float>(p)));
-  std::vector<Triangle> some;
-  for (std::size_t t = 0; t < survivors.triangles.size(); t += centre_stride)
-    some.push_back(survivors.triangles[t]);
-  facts.centres = triangle_centres(some, survivors.vertices.positions);
+  // Chunks own triangles by their centres, which rounding can put a little outside the box of the corners.
+  const auto centres = triangle_centres(survivors.triangles, survivors.vertices.positions);
+  for (const Vec3f& c : centres) facts.survivor_box.add(turn(frame, c));
+  for (std::size_t t = 0; t < centres.size(); t += centre_stride) facts.centres.push_back(centres[t]);
 }
 
 }  // namespace
@@ -119,8 +119,7 @@ CellOutput run_cell_task(Cell cell, const RoundChunk& chunk, const CellOptions& 
   out.facts.fans = page.script.fans.size();
   out.facts.substitutions = page.script.children.size();
   if (options.base) return out;
-  const PageSurvivors survivors =
-      survivors_of(std::move(simplified.survivors), owned, chunk, cell.vertices);
+  const PageSurvivors survivors = survivors_of(std::move(simplified.survivors), owned, chunk, cell.vertices);
   describe_survivors(survivors, options.round + 1, out.facts);
   out.survivors = encode_survivors(survivors);
   return out;

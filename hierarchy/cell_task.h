@@ -21,13 +21,13 @@ struct CellOptions {
 
 /// What is kept in the journal of a finished task, but for where its bytes lie.
 struct CellFacts {
-  PageEntry entry;                ///< `block` and `coarser` are not known yet
-  std::vector<PageId> sources;    ///< pages of the round before that it holds survivors of
+  PageEntry entry;              ///< `block` and `coarser` are not known yet
+  std::vector<PageId> sources;  ///< pages of the round before that it holds survivors of
   std::uint64_t fans = 0, substitutions = 0;
   PageStreamBytes stream_bytes{};
   std::uint32_t survivor_triangles = 0;
-  Box3<float> survivor_box;       ///< of survivors' vertices, in the next round's frame
-  std::vector<Vec3f> centres;     ///< of some of the surviving triangles, evenly: where the next round is dense
+  Box3<float> survivor_box;    ///< of survivors' vertices and centres, next round's frame
+  std::vector<Vec3f> centres;  ///< of some of the surviving triangles, evenly: where the next round is dense
 };
 
 struct CellOutput {

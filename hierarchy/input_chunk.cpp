@@ -26,9 +26,9 @@ Result<std::vector<ForeignCorner>> foreign_corners(const InputSurface& surface, 
       corners.push_back({r.slot, vertex_id(letter.chunk, r.vertex), r.wedge, r.normal});
   std::sort(corners.begin(), corners.end(),
             [](const ForeignCorner& a, const ForeignCorner& b) { return a.slot < b.slot; });
-  const bool complete = std::equal(corners.begin(), corners.end(), chunk.foreign_slots.begin(),
-                                   chunk.foreign_slots.end(),
-                                   [](const ForeignCorner& a, std::uint64_t slot) { return a.slot == slot; });
+  const bool complete =
+      std::equal(corners.begin(), corners.end(), chunk.foreign_slots.begin(), chunk.foreign_slots.end(),
+                 [](const ForeignCorner& a, std::uint64_t slot) { return a.slot == slot; });
   if (!complete) return fail(ErrorCode::corrupt, "", "", "chunks in the work folder do not fit together");
   return corners;
 }

@@ -98,8 +98,7 @@ Cell RoundCells::cell(std::uint32_t c) const {
   cell.triangles.reserve(triangles.size());
   for (std::uint32_t t : triangles) {
     const Triangle& g = chunk_.triangles[t];
-    cell.triangles.push_back(
-        smallest_first({subset.number(g[0]), subset.number(g[1]), subset.number(g[2])}));
+    cell.triangles.push_back(smallest_first({subset.number(g[0]), subset.number(g[1]), subset.number(g[2])}));
     if (first_round) continue;
     cell.births.push_back(chunk_.births[t]);
     const auto samples = chunk_.samples.points.begin();

@@ -41,7 +41,7 @@ struct RoundChunk {
   VertexTable vertices;
   std::vector<std::uint8_t> locked;  ///< 1: triangles of other chunks use its group
   std::vector<Triangle> triangles;
-  std::vector<Birth> births;            ///< empty in round 0, as the following
+  std::vector<Birth> births;  ///< empty in round 0, as the following
   TriangleSamples samples;
   std::vector<TriangleOrigin> origins;
   std::vector<SurvivorIds> sources;  ///< ascending: the pages that triangles come from
@@ -72,7 +72,7 @@ class RoundCells {
                                      std::span<const std::uint32_t> vertices) const;
   const RoundChunk& chunk_;
   Partition partition_;
-  std::vector<std::uint32_t> group_;   ///< per vertex: the first of its wedge group that is in the chunk
+  std::vector<std::uint32_t> group_;  ///< per vertex: the first of its wedge group that is in the chunk
   std::vector<std::uint8_t> locked_;  ///< per group: its star is not wholly inside one cell
 };
 

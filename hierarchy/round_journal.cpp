@@ -44,8 +44,8 @@ Result<ChunkRoundRecord> decode_record(std::span<const std::byte> bytes) {
     cell.survivors_bytes = r.get<std::uint64_t>();
   }
   if (!good || !r.at_end())
-    return fail(ErrorCode::corrupt, "", "", "the journal of the build is damaged; start over with "
-                                            "--resume=never");
+    return fail(ErrorCode::corrupt, "", "",
+                "the journal of the build is damaged; run the same command again to start over");
   return record;
 }
 

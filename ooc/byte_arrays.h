@@ -35,9 +35,12 @@ inline void put_table(ByteWriter& w, const VertexTable& table) {
   put_array(w, table.texcoords);
 }
 
+/// False also if an attribute is neither empty nor as long as the positions.
 inline bool get_table(ByteReader& r, VertexTable& table) {
+  const auto fits = [&table](std::size_t size) { return size == 0 || size == table.positions.size(); };
   return get_array(r, table.positions) && get_array(r, table.normals) && get_array(r, table.colours) &&
-         get_array(r, table.texcoords);
+         get_array(r, table.texcoords) && fits(table.normals.size()) && fits(table.colours.size()) &&
+         fits(table.texcoords.size());
 }
 
 }  // namespace cuesta

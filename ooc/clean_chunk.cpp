@@ -217,8 +217,7 @@ Result<CleanChunk> decode_chunk(std::span<const std::byte> bytes) {
          get_array(r, chunk.foreign_slots) && r.at_end() && chunk.wedge.size() == chunk.vertices.size() &&
          chunk.shared <= chunk.vertices.size() && chunk.foreign_slots.size() == chunk.foreign.size();
   const std::size_t corners = chunk.vertices.size() + chunk.foreign.size();
-  for (const Triangle& t : chunk.triangles)
-    good = good && t[0] < corners && t[1] < corners && t[2] < corners;
+  for (const Triangle& t : chunk.triangles) good = good && t[0] < corners && t[1] < corners && t[2] < corners;
   if (!good) return fail(ErrorCode::corrupt, "", "", "a chunk in the work folder is damaged");
   return chunk;
 }

@@ -64,7 +64,8 @@ class Distributor {
         layout_(layout),
         folder_(folder),
         progress_(progress),
-        writers_([&soup, size = buffer_bytes(tree.leaf_count())] { return BucketFile::Writer(soup, size); }) {}
+        writers_([&soup, size = buffer_bytes(tree.leaf_count())] { return BucketFile::Writer(soup, size); }) {
+  }
 
   Result<std::uint64_t> run(MemoryBudget& memory) {
     const std::uint64_t block_bytes =
@@ -182,7 +183,8 @@ class Distributor {
 
   Result<void> report(std::size_t triangles) {
     const std::uint64_t done = done_ += triangles;
-    if (progress_ && !progress_(done)) return fail(ErrorCode::cancelled, "", "", "stopped");
+    if (progress_ && !progress_(done))
+      return fail(ErrorCode::cancelled, "", "", "stopped; the same command goes on from here");
     return {};
   }
 

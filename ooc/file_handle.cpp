@@ -42,11 +42,14 @@ void set_file_fault(FileFault fault) {
 ErrorCode code_of_errno(int number) {
   switch (number) {
     case ENOENT:
-    case ENOTDIR: return ErrorCode::not_found;
+    case ENOTDIR:
+      return ErrorCode::not_found;
     case ENOSPC:
     case EDQUOT:
-    case EFBIG: return ErrorCode::out_of_budget;
-    default: return ErrorCode::io;
+    case EFBIG:
+      return ErrorCode::out_of_budget;
+    default:
+      return ErrorCode::io;
   }
 }
 

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "ooc/byte_arrays.h"
+#include "ooc/check.h"
 #include "ooc/distribute.h"
 #include "ooc/ordered_tasks.h"
 #include "ooc/space_tree.h"
@@ -23,6 +24,11 @@ struct ReadState {
   Survey survey;
   std::vector<ReadReport> inputs;
 };
+
+tl::unexpected<Error> damaged_journal() {
+  return fail(ErrorCode::corrupt, "", "",
+              "the journal of the build is damaged; start over with --resume=never");
+}
 
 std::vector<std::byte> encode(const RawSurface& raw, const ReadState& state) {
   static_assert(std::is_trivially_copyable_v<ReadReport> && std::is_trivially_copyable_v<RawCounts>);
@@ -50,7 +56,7 @@ Result<ReadState> decode_read(std::span<const std::byte> bytes, std::size_t& fil
   s.survey.used_vertices = r.get<std::uint64_t>();
   good = good && get_array(r, s.inputs);
   files = r.position();
-  if (!good || !r.ok()) return fail(ErrorCode::corrupt, "", "", "the journal of the build is damaged");
+  if (!good || !r.ok()) return damaged_journal();
   return s;
 }
 
@@ -70,7 +76,8 @@ struct LetterRecord {
 /// Bytes of a finished chunk: what goes into the file, and what goes into the journal.
 class Ingest {
  public:
-  Ingest(WorkFolder& folder, const IngestOptions& options, MemoryBudget& memory, const BuildProgress& progress)
+  Ingest(WorkFolder& folder, const IngestOptions& options, MemoryBudget& memory,
+         const BuildProgress& progress)
       : folder_(folder), options_(options), memory_(memory), progress_(progress) {}
 
   Result<InputSurface> run(const InputReader& read) {
@@ -117,8 +124,8 @@ class Ingest {
         (read_.counts.triangles + options_.chunk_triangles - 1) / options_.chunk_triangles;
     if (chunks > 0xFFFFFF)
       return fail(ErrorCode::invalid_input, "", "", "more triangles than a build can have");
-    tree_ = std::make_unique<SpaceTree>(read_.survey.samples, std::max(1u, static_cast<std::uint32_t>(chunks)),
-                                        identity_frame);
+    tree_ = std::make_unique<SpaceTree>(read_.survey.samples,
+                                        std::max(1u, static_cast<std::uint32_t>(chunks)), identity_frame);
     return {};
   }
 
@@ -139,11 +146,9 @@ class Ingest {
       if (!raw) return fail(raw.error());
       auto soup = BucketFile::create(folder_.path() / soup_name);
       if (!soup) return fail(soup.error());
-      const auto nonfinite =
-          distribute(*raw, read_.survey.grid, *tree_, layout_, memory_, folder_.path(), *soup,
-                     [&](std::uint64_t done) {
-                       return report("sort", done, read_.counts.triangles).has_value();
-                     });
+      const auto nonfinite = distribute(
+          *raw, read_.survey.grid, *tree_, layout_, memory_, folder_.path(), *soup,
+          [&](std::uint64_t done) { return report("sort", done, read_.counts.triangles).has_value(); });
       if (!nonfinite) return fail(nonfinite.error());
       ByteWriter w;
       w.put(*nonfinite);
@@ -171,8 +176,7 @@ class Ingest {
     for (std::uint32_t c = 0; c < *finished; ++c) {
       auto record = folder_.journal().find("clean", c);
       if (!record) return fail(record.error());
-      if (!*record) return fail(ErrorCode::corrupt, path.string(), "", "the journal of the build is damaged");
-      adopt(c, **record);
+      if (!*record || !adopt(c, **record)) return damaged_journal();
     }
     if (*finished == chunks) return {};
     auto soup = BucketFile::open(folder_.path() / soup_name, soup_index_);
@@ -227,16 +231,16 @@ class Ingest {
     w.put(record);
     put_array(w, letter_records);
     if (auto r = folder_.journal().record("clean", c, w.bytes()); !r) return r;
-    adopt(c, w.bytes());
+    CUESTA_CHECK(adopt(c, w.bytes()));
     return {};
   }
 
-  /// Takes over what a finished task has written.
-  void adopt(std::uint32_t c, std::span<const std::byte> bytes) {
+  /// Takes over what a finished task has written. False if that is not what it has recorded.
+  bool adopt(std::uint32_t c, std::span<const std::byte> bytes) {
     ByteReader r(bytes);
     const auto record = r.get<ChunkRecord>();
     std::vector<LetterRecord> letters;
-    get_array(r, letters);
+    if (!get_array(r, letters) || !r.at_end()) return false;
     out_.chunks_[c].part = {record.offset, record.bytes};
     out_.chunks_[c].triangles = record.triangles;
     out_.triangles += record.triangles;
@@ -246,10 +250,12 @@ class Ingest {
     vertices_used_ += record.vertices_used;
     end_ = record.offset + record.bytes;
     for (const LetterRecord& l : letters) {
+      if (l.to >= out_.chunks_.size()) return false;
       const std::uint64_t size = l.corners * sizeof(CornerReply);
       out_.chunks_[l.to].letters.push_back({c, {end_, size}});
       end_ += size;
     }
+    return true;
   }
 
   Result<InputSurface> finish() {
@@ -263,7 +269,8 @@ class Ingest {
     out_.report.nonfinite_vertices = read_.survey.nonfinite_vertices;
     out_.report.faces_nonfinite = read_.counts.nonfinite_faces + nonfinite_faces_;
     out_.report.vertices_unused += read_.survey.unused_vertices;
-    out_.report.vertices_welded = read_.survey.used_vertices - std::min(read_.survey.used_vertices, vertices_used_);
+    out_.report.vertices_welded =
+        read_.survey.used_vertices - std::min(read_.survey.used_vertices, vertices_used_);
     return std::move(out_);
   }
 

@@ -3,7 +3,7 @@
 ///
 ///   read        inputs → columns of vertices, triangles by the block of vertices they index   (RawSurface)
 ///   distribute  join block by block; triangles to the chunks that their centres lie in, and to those that
-///               their corners lie in                                                           (TriangleSoup)
+///               their corners lie in (TriangleSoup)
 ///   clean       chunk by chunk; neighbours tell each other the numbers of vertices they share  (CleanChunk)
 ///
 /// The result does not depend on threads, memory or interruptions: the journal knows what is done.

@@ -2,7 +2,10 @@
 
 #include <sqlite3.h>
 
+#include <cstring>
 #include <utility>
+
+#include "ooc/file_handle.h"
 
 namespace cuesta {
 namespace {
@@ -33,10 +36,25 @@ void Journal::Close::operator()(sqlite3* db) const {
 
 tl::unexpected<Error> Journal::error(const char* what) const {
   const int code = db_ ? sqlite3_errcode(db_.get()) : SQLITE_NOMEM;
-  const std::string message = std::string(what) + ": " + (db_ ? sqlite3_errmsg(db_.get()) : "no memory");
-  if (code == SQLITE_BUSY || code == SQLITE_LOCKED)
-    return fail(ErrorCode::io, path_.string(), "", "another process is building this file");
-  return fail(code == SQLITE_FULL ? ErrorCode::out_of_budget : ErrorCode::io, path_.string(), "", message);
+  const int number = db_ ? sqlite3_system_errno(db_.get()) : 0;
+  std::string message = std::string(what) + ": " + (db_ ? sqlite3_errmsg(db_.get()) : "no memory");
+  const auto failed = [&](ErrorCode is) { return fail(is, path_.string(), "", message); };
+  switch (code) {
+    case SQLITE_BUSY:
+    case SQLITE_LOCKED:
+      message = "another process is building this file";
+      return failed(ErrorCode::io);
+    case SQLITE_NOTADB:
+    case SQLITE_CORRUPT:
+      message += "; start over with --resume=never";
+      return failed(ErrorCode::corrupt);
+    case SQLITE_FULL:
+      return failed(ErrorCode::out_of_budget);
+    default:
+      // A quota and a limit on the size of files are I/O errors to SQLite.
+      if (number != 0) message += std::string(": ") + std::strerror(number);
+      return failed(code == SQLITE_IOERR && number != 0 ? code_of_errno(number) : ErrorCode::io);
+  }
 }
 
 Result<void> Journal::execute(const char* sql) const {
@@ -45,7 +63,8 @@ Result<void> Journal::execute(const char* sql) const {
   return {};
 }
 
-Result<Journal> Journal::open(const std::filesystem::path& path, const std::string& fingerprint) {
+Result<Journal> Journal::open(const std::filesystem::path& path, const std::string& fingerprint,
+                              bool resume) {
   Journal journal;
   journal.path_ = path;
   sqlite3* db = nullptr;
@@ -53,18 +72,18 @@ Result<Journal> Journal::open(const std::filesystem::path& path, const std::stri
   journal.db_.reset(db);
   if (opened != SQLITE_OK) return journal.error("cannot open the journal");
   // One process holds it from here to its end.
-  for (const char* sql : {"PRAGMA locking_mode = EXCLUSIVE", "PRAGMA journal_mode = WAL",
-                          "PRAGMA synchronous = NORMAL", "BEGIN IMMEDIATE; COMMIT",
-                          "CREATE TABLE IF NOT EXISTS build (version INTEGER, fingerprint TEXT)",
-                          "CREATE TABLE IF NOT EXISTS task (stage TEXT, number INTEGER, result BLOB, "
-                          "PRIMARY KEY (stage, number)) WITHOUT ROWID"})
+  for (const char* sql :
+       {"PRAGMA locking_mode = EXCLUSIVE", "PRAGMA journal_mode = WAL", "PRAGMA synchronous = NORMAL",
+        "BEGIN IMMEDIATE; COMMIT", "CREATE TABLE IF NOT EXISTS build (version INTEGER, fingerprint TEXT)",
+        "CREATE TABLE IF NOT EXISTS task (stage TEXT, number INTEGER, result BLOB, "
+        "PRIMARY KEY (stage, number)) WITHOUT ROWID"})
     if (auto r = journal.execute(sql); !r) return fail(r.error());
   {
     const Statement same = prepare(db, "SELECT 1 FROM build WHERE version = ? AND fingerprint = ?");
     if (!same) return journal.error("cannot read the journal");
     sqlite3_bind_int(same.get(), 1, layout_version);
     bind_text(same.get(), 2, fingerprint);
-    journal.resumed_ = sqlite3_step(same.get()) == SQLITE_ROW;
+    journal.resumed_ = resume && sqlite3_step(same.get()) == SQLITE_ROW;
   }
   if (journal.resumed_) {
     const Statement any = prepare(db, "SELECT 1 FROM task LIMIT 1");

@@ -25,8 +25,11 @@ class Journal {
  public:
   /// Opens or makes the journal; one of another `fingerprint` or of another version is emptied.
   /// @param fingerprint  of the inputs and options: what the tasks are functions of
-  /// @error io, out_of_budget (disk full); also when another process has it open.
-  static Result<Journal> open(const std::filesystem::path& path, const std::string& fingerprint);
+  /// @error io, also when another process has it open; out_of_budget (disk full, or a limit); corrupt when
+  /// the
+  ///        file is damaged or something else.
+  static Result<Journal> open(const std::filesystem::path& path, const std::string& fingerprint,
+                              bool resume = true);
   Journal(Journal&&) noexcept = default;
   Journal& operator=(Journal&&) noexcept = default;
 

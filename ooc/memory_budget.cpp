@@ -17,11 +17,11 @@ Result<MemoryBudget::Reservation> MemoryBudget::reserve(std::uint64_t bytes, std
   std::uint64_t used = used_.load();
   do {
     if (bytes > limit_ - std::min(limit_, used))
-      return fail(ErrorCode::out_of_budget, "", "",
-                  fmt::format("{} would need {} MiB of memory, {} MiB of {} MiB are free; give more with "
-                              "--memory",
-                              what, mebibytes_up(bytes), (limit_ - std::min(limit_, used)) >> 20,
-                              limit_ >> 20));
+      return fail(
+          ErrorCode::out_of_budget, "", "",
+          fmt::format("{} would need {} MiB of memory, {} MiB of {} MiB are free; give more with "
+                      "--memory",
+                      what, mebibytes_up(bytes), (limit_ - std::min(limit_, used)) >> 20, limit_ >> 20));
   } while (!used_.compare_exchange_weak(used, used + bytes));
   return Reservation(this, bytes);
 }

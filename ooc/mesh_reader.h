@@ -84,25 +84,4 @@ Result<SurfaceMesh> load_mesh(const std::filesystem::path& path, std::uint64_t m
                               ReadReport* report = nullptr, const ReadProgress& progress = {},
                               const std::filesystem::path& temp = {}, const VolumeOptions& volume = {});
 
-/// Vertices of files without an attribute that another file has. All zero for one file.
-struct MissingAttributes {
-  std::uint64_t normals = 0;    ///< got zero normals: clean_mesh() computes those
-  std::uint64_t colours = 0;    ///< got opaque white
-  std::uint64_t texcoords = 0;  ///< got (0, 0)
-};
-
-struct LoadedMeshes {
-  SurfaceMesh mesh;
-  std::vector<ReadReport> files;  ///< one per path, in order
-  MissingAttributes missing;
-};
-
-/// Reads files into one surface: vertices and triangles in the order of `paths`, an attribute if any file has
-/// it. Nothing is welded here: where files meet, clean_mesh() does.
-/// @param progress  over the bytes of all files together.
-/// @error as load_mesh(); that a file is missing is found before the first is read.
-Result<LoadedMeshes> load_meshes(std::span<const std::filesystem::path> paths, std::uint64_t memory_bytes,
-                                 const ReadProgress& progress = {}, const std::filesystem::path& temp = {},
-                                 const VolumeOptions& volume = {});
-
 }  // namespace cuesta

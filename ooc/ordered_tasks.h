@@ -19,8 +19,9 @@ inline std::size_t arena_threads() {
   return static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
 }
 
-/// Runs work(i) for i = first … end - 1, at most `tokens` at a time, and commit(i, result) one after the other
-/// in ascending order. The first failure, in order, ends it: what comes before is committed, nothing after.
+/// Runs work(i) for i = first … end - 1, at most `tokens` at a time, and commit(i, result) one after the
+/// other in ascending order. The first failure, in order, ends it: what comes before is committed, nothing
+/// after.
 /// @param work    Result<T>(std::uint64_t), called from several threads
 /// @param commit  Result<void>(std::uint64_t, T)
 template <class T, class Work, class Commit>
@@ -33,31 +34,30 @@ Result<void> run_in_order(std::uint64_t first, std::uint64_t end, std::size_t to
   std::atomic<bool> stopped{false};
   std::optional<Error> error;
   std::uint64_t next = first;
-  tbb::parallel_pipeline(
-      tokens,
-      tbb::make_filter<void, std::uint64_t>(tbb::filter_mode::serial_in_order,
-                                            [&](tbb::flow_control& flow) -> std::uint64_t {
-                                              if (next == end || stopped) flow.stop();
-                                              return next < end ? next++ : end;
-                                            }) &
-          tbb::make_filter<std::uint64_t, std::shared_ptr<Done>>(
-              tbb::filter_mode::parallel,
-              [&](std::uint64_t i) {
-                if (stopped) return std::shared_ptr<Done>();
-                return std::make_shared<Done>(Done{i, work(i)});
-              }) &
-          tbb::make_filter<std::shared_ptr<Done>, void>(
-              tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<Done>& done) {
-                if (!done || stopped) return;
-                Result<void> r;
-                if (!done->result)
-                  r = fail(done->result.error());
-                else
-                  r = commit(done->number, std::move(*done->result));
-                if (r) return;
-                error = r.error();
-                stopped = true;
-              }));
+  const auto number = [&](tbb::flow_control& flow) -> std::uint64_t {
+    if (next == end || stopped) flow.stop();
+    return next < end ? next++ : end;
+  };
+  const auto do_work = [&](std::uint64_t i) {
+    return stopped ? std::shared_ptr<Done>() : std::make_shared<Done>(Done{i, work(i)});
+  };
+  const auto keep = [&](const std::shared_ptr<Done>& done) {
+    if (!done || stopped) return;
+    Result<void> r;
+    if (!done->result)
+      r = fail(done->result.error());
+    else
+      r = commit(done->number, std::move(*done->result));
+    if (r) return;
+    error = r.error();
+    stopped = true;
+  };
+  using Item = std::shared_ptr<Done>;
+  constexpr auto in_order = tbb::filter_mode::serial_in_order;
+  tbb::parallel_pipeline(tokens,
+                         tbb::make_filter<void, std::uint64_t>(in_order, number) &
+                             tbb::make_filter<std::uint64_t, Item>(tbb::filter_mode::parallel, do_work) &
+                             tbb::make_filter<Item, void>(in_order, keep));
   if (error) return fail(*error);
   return {};
 }

@@ -265,8 +265,8 @@ Result<std::vector<Vec3d>> RawSurface::positions_of(std::span<const std::uint64_
   out.reserve(vertices.size());
   for (std::size_t begin = 0, end = 0; begin < vertices.size(); begin = end) {
     const std::uint64_t first = vertices[begin];
-    for (end = begin + 1; end < vertices.size() && vertices[end] - vertices[end - 1] < near &&
-                          vertices[end] - first < most;)
+    for (end = begin + 1;
+         end < vertices.size() && vertices[end] - vertices[end - 1] < near && vertices[end] - first < most;)
       ++end;
     const auto run = positions_run(first, vertices[end - 1] - first + 1);
     if (!run) return fail(run.error());

@@ -38,6 +38,13 @@ struct RawVertices {
   std::vector<FixedTexCoord> texcoords;
 };
 
+/// Vertices of inputs without an attribute that another input has. All zero for one input.
+struct MissingAttributes {
+  std::uint64_t normals = 0;    ///< got zero normals: ingest() can compute those
+  std::uint64_t colours = 0;    ///< got opaque white
+  std::uint64_t texcoords = 0;  ///< got (0, 0)
+};
+
 /// What is known after reading.
 struct RawCounts {
   std::uint64_t vertices = 0, triangles = 0;
@@ -77,7 +84,9 @@ class RawSurface final : public MeshSink {
   /// Positions of any vertices, in ascending order of number for speed.
   Result<std::vector<Vec3d>> positions_of(std::span<const std::uint64_t> vertices) const;
   /// Whether a triangle uses vertex v; of huge inputs, v or one near it.
-  bool is_used(std::uint64_t v) const { return (used_[(v >> used_shift_) / 64] >> ((v >> used_shift_) % 64) & 1) != 0; }
+  bool is_used(std::uint64_t v) const {
+    return (used_[(v >> used_shift_) / 64] >> ((v >> used_shift_) % 64) & 1) != 0;
+  }
   /// Up to edge_sample_triangles triangles spread over the input.
   const std::vector<std::array<std::uint64_t, 3>>& sample() const { return sample_; }
   std::uint64_t block_vertices() const { return block_vertices_; }

@@ -26,8 +26,6 @@ class ReadBudget {
   /// Call before allocating `count` elements of `element_bytes`. @error out_of_budget, nothing is charged.
   Result<void> charge(std::uint64_t count, std::uint64_t element_bytes, const char* what);
   void release(std::uint64_t bytes) { used_ -= bytes; }
-  /// A reader is done and what it held is gone: `bytes` stay charged.
-  void keep(std::uint64_t bytes) { used_ = bytes; }
   std::uint64_t left() const { return limit_ - used_; }
 
  private:

@@ -39,8 +39,8 @@ void SpaceTree::split(std::span<Vec3f> samples, std::uint32_t leaves, const Box3
                      less);
     float cut = samples[middle][axis];
     const auto put_left = [&] {
-      const auto border = std::partition(samples.begin(), samples.end(),
-                                         [&](const Vec3f& p) { return p[axis] < cut; });
+      const auto border =
+          std::partition(samples.begin(), samples.end(), [&](const Vec3f& p) { return p[axis] < cut; });
       return static_cast<std::size_t>(border - samples.begin());
     };
     std::size_t on_left = put_left();

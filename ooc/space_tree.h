@@ -39,7 +39,7 @@ class SpaceTree {
  private:
   struct Node {
     float cut = 0;
-    std::int32_t axis = -1;  ///< -1: a leaf
+    std::int32_t axis = -1;   ///< -1: a leaf
     std::uint32_t right = 0;  ///< the left child follows its parent; of a leaf: its number
   };
   void split(std::span<Vec3f> samples, std::uint32_t leaves, const Box3<float>& box);

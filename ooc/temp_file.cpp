@@ -12,16 +12,15 @@
 #include <string>
 #include <utility>
 
+#include "ooc/file_handle.h"
+
 namespace cuesta {
 namespace {
 
 constexpr std::uint64_t check_interval_bytes = std::uint64_t{16} << 20;
 
 tl::unexpected<Error> os_error(const std::filesystem::path& folder, const char* what) {
-  const ErrorCode code = errno == ENOENT || errno == ENOTDIR  ? ErrorCode::not_found
-                         : errno == ENOSPC || errno == EDQUOT ? ErrorCode::out_of_budget
-                                                              : ErrorCode::io;
-  return fail(code, folder.string(), "",
+  return fail(code_of_errno(errno), folder.string(), "",
               fmt::format("{}: {}; choose another folder with --temp or TMPDIR", what, std::strerror(errno)));
 }
 

@@ -13,7 +13,7 @@ namespace cuesta {
 
 inline constexpr int normal_bits = 10;
 
-using OctNormal = std::array<std::int16_t, 2>;     ///< octahedral, normal_bits bits (oct_normal.h)
+using OctNormal = std::array<std::int16_t, 2>;      ///< octahedral, normal_bits bits (oct_normal.h)
 using FixedTexCoord = std::array<std::int32_t, 2>;  ///< units of 2^-16
 
 /// Attributes are empty, or have one element per position. 12 bytes and up to 16 more per vertex.

@@ -12,13 +12,18 @@ namespace cuesta {
 
 Result<WorkFolder> WorkFolder::open(const std::filesystem::path& path, const std::string& fingerprint,
                                     bool resume) {
+  const auto journal_path = path / "journal.sqlite";
   std::error_code failed;
-  if (!resume) std::filesystem::remove_all(path, failed);
   std::filesystem::create_directory(path, failed);
   if (failed)
     return fail(code_of_errno(failed.value()), path.string(), "",
                 "cannot make the work folder: " + failed.message() + "; choose another place with --temp");
-  auto journal = Journal::open(path / "journal.sqlite", fingerprint);
+  if (!std::filesystem::exists(journal_path, failed) && !std::filesystem::is_empty(path, failed))
+    return fail(ErrorCode::invalid_input, path.string(), "",
+                "is needed for work in progress, and holds something else; move it, or choose another place "
+                "with --temp");
+  // Who has the journal has the folder: nothing is touched before.
+  auto journal = Journal::open(journal_path, fingerprint, resume);
   if (!journal) return fail(journal.error());
   if (!journal->is_resumed())
     for (const auto& entry : std::filesystem::directory_iterator(path, failed))

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 #include <system_error>
 
 #include "apps/cuesta/build_fingerprint.h"
@@ -65,6 +66,27 @@ std::filesystem::path work_path(const BuildSettings& s) {
 /// Whether the same command, later, can go on from what is there.
 bool is_resumable(ErrorCode code) {
   return code == ErrorCode::cancelled || code == ErrorCode::io || code == ErrorCode::out_of_budget;
+}
+
+/// What unfinished work is worth: nothing to another program, nor after a restart of the machine, as it is
+/// not synced to the disk.
+std::string work_fingerprint(const std::string& fingerprint) {
+  std::string boot;
+  std::ifstream("/proc/sys/kernel/random/boot_id") >> boot;
+  std::error_code failed;
+  const auto program = std::filesystem::last_write_time("/proc/self/exe", failed);
+  return fmt::format("{} {} {}", fingerprint, boot, failed ? 0 : program.time_since_epoch().count());
+}
+
+/// A run that ended between giving the output its name and tidying up left its work folder.
+void remove_leftovers(const BuildSettings& s, const std::filesystem::path& work,
+                      const std::string& fingerprint) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(work / "journal.sqlite", ignored)) return;
+  auto folder = WorkFolder::open(work, work_fingerprint(fingerprint));
+  if (!folder) return;  // another process is at work in it
+  folder->remove();
+  std::filesystem::remove(s.output.string() + ".part", ignored);
 }
 
 void note_inputs(const BuildSettings& s, BuildFacts& facts) {
@@ -145,14 +167,16 @@ Result<void> run_build(const BuildSettings& given) {
   note_inputs(s, facts);
   auto fingerprint = build_fingerprint(s, progress);
   if (!fingerprint) return fail(fingerprint.error());
-  if (!s.force && is_up_to_date(s.output, *fingerprint)) {
+  const bool up_to_date = is_up_to_date(s.output, *fingerprint);
+  const auto work = work_path(s);
+  if (!s.force && up_to_date) {
     progress.finish();
+    remove_leftovers(s, work, *fingerprint);
     fmt::print("{}: up to date; --force builds it anyway\n", s.output.string());
     return {};
   }
   facts.fingerprint = std::move(*fingerprint);
-  const auto work = work_path(s);
-  auto folder = WorkFolder::open(work, facts.fingerprint, s.resume);
+  auto folder = WorkFolder::open(work, work_fingerprint(facts.fingerprint), s.resume && !up_to_date);
   if (!folder) return fail(folder.error());
   if (folder->journal().is_resumed() && !s.quiet)
     fmt::print(stderr, "going on with what an earlier run left in {}\n", work.string());

@@ -1,5 +1,6 @@
 /// cuesta: gigantic meshes into one file that can be flown through. The commands are in command_line.cpp.
 
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -10,6 +11,7 @@
 
 int main(int argc, char** argv) {
   cuesta::app::catch_stop_signals();
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error of write(), with a message
   try {
     return cuesta::app::run_command_line(argc, argv);
   } catch (const std::bad_alloc&) {

@@ -116,10 +116,9 @@ TEST(OutOfCore, same_bytes_after_interruptions) {
     for (bool done = false; !done; ++runs) {
       ASSERT_LT(runs, 200);
       int calls = 0;
-      const auto built = try_build(surface(), folder / "a.cuesta", tiny_cells(), many_chunks,
-                                   [&](std::string_view, std::uint64_t, std::uint64_t) {
-                                     return ++calls <= patience;
-                                   });
+      const auto built =
+          try_build(surface(), folder / "a.cuesta", tiny_cells(), many_chunks,
+                    [&](std::string_view, std::uint64_t, std::uint64_t) { return ++calls <= patience; });
       done = built.has_value();
       if (done) break;
       ASSERT_EQ(built.error().code, ErrorCode::cancelled);
@@ -186,7 +185,30 @@ TEST(OutOfCore, a_lost_part_is_told) {
   ASSERT_TRUE(std::filesystem::remove(folder / "a.cuesta.part"));
   const auto lost = try_build(surface(), folder / "a.cuesta", tiny_cells(), many_chunks);
   ASSERT_FALSE(lost);
-  EXPECT_NE(lost.error().text().find("--resume=never"), std::string::npos) << lost.error().text();
+  EXPECT_NE(lost.error().text().find("start over"), std::string::npos) << lost.error().text();
+}
+
+/// Fewer triangles are left than a cell has, of what was read into many chunks: still one base page.
+TEST(OutOfCore, what_is_little_after_cleaning_has_one_base_page) {
+  TemporaryFolder folder;
+  SurfaceMesh mesh = bumpy_sphere(4);
+  const auto once = mesh.triangles;
+  for (int copy = 0; copy < 20; ++copy) mesh.triangles.insert(mesh.triangles.end(), once.begin(), once.end());
+  build_file(mesh, folder / "a.cuesta", tiny_cells(), many_chunks);
+  const auto file = CuestaFile::open(folder / "a.cuesta");
+  ASSERT_TRUE(file);
+  EXPECT_EQ(file->directory().triangles, once.size());
+  expect_sound(*file);
+}
+
+TEST(OutOfCore, a_folder_that_is_not_ours_is_left_alone) {
+  TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "a.work");
+  put_bytes(folder / "a.work/letter.txt", "mine");
+  const auto refused = WorkFolder::open(folder / "a.work", "one", false);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::invalid_input);
+  EXPECT_TRUE(std::filesystem::exists(folder / "a.work/letter.txt"));
 }
 
 TEST(OutOfCore, a_work_folder_of_another_build_is_emptied) {
