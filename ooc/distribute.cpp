@@ -167,8 +167,7 @@ class Distributor {
                       vec_cast<double>(t.positions[2]);
     t.owner = tree_.leaf_of(vec_cast<float>(sum / 3.0));
     std::array<std::byte, max_soup_record_bytes> buffer;
-    const auto record = encode(t, layout_, buffer);
-    if (auto r = writer.append(t.owner, record); !r) return r;
+    if (auto r = writer.append(t.owner, encode(t, t.owner, layout_, buffer)); !r) return r;
     std::array<std::uint32_t, 3> told{t.owner, t.owner, t.owner};
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3f p = vec_cast<float>(t.positions[k]);
@@ -176,7 +175,7 @@ class Distributor {
       const std::uint32_t leaf = tree_.leaf_of(p);
       if (std::find(told.begin(), told.end(), leaf) != told.end()) continue;
       told[k] = leaf;
-      if (auto r = writer.append(leaf, record); !r) return r;
+      if (auto r = writer.append(leaf, encode(t, leaf, layout_, buffer)); !r) return r;
     }
     return {};
   }

@@ -131,7 +131,7 @@ class Ingest {
 
   Result<void> check_disk(const RawCounts& counts) const {
     // The soup beside what was read; then chunks, survivors and the file itself in its place.
-    const std::uint64_t bytes = counts.triangles * (layout_of(counts).record_bytes() + 8);
+    const std::uint64_t bytes = counts.triangles * (layout_of(counts).typical_record_bytes() + 8);
     return folder_.check_room(bytes, "the rest of this build");
   }
   SoupLayout layout_of(const RawCounts& counts) const {
@@ -184,7 +184,7 @@ class Ingest {
     std::uint64_t largest = 0;
     for (std::uint32_t c = 0; c < chunks; ++c) largest = std::max(largest, soup->bytes(c));
     // Records, the soup that they become, and what cleaning it takes.
-    const std::uint64_t bytes_each = largest * 2 + largest / layout_.record_bytes() * 250;
+    const std::uint64_t bytes_each = largest * 3 + largest / layout_.typical_record_bytes() * 270;
     auto reserved = memory_.reserve_some(bytes_each, arena_threads() + 1, "cleaning a chunk of the surface");
     if (!reserved) return fail(reserved.error());
     auto done = run_in_order<CleanedChunk>(
@@ -193,7 +193,7 @@ class Ingest {
           const auto chunk = static_cast<std::uint32_t>(c);
           auto records = soup->read(chunk);
           if (!records) return fail(records.error());
-          TriangleSoup triangles = decode_soup(*records, layout_);
+          TriangleSoup triangles = decode_soup(*records, chunk, layout_);
           *records = {};
           return clean_chunk(triangles, chunk, tree_->leaf_box(chunk), layout_.area_normals);
         },

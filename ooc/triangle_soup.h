@@ -23,22 +23,26 @@ struct SoupTriangle {
   Vec3f area_normal;  ///< from positions before snapping; its length is twice the area, in square grid steps
 };
 
-/// Which parts a record has: 48 to 108 bytes per triangle, 60 with computed normals and nothing else.
+/// Which parts a record has.
 struct SoupLayout {
   AttributeSet attributes;
   bool area_normals = false;
 
-  std::uint32_t record_bytes() const {
-    return 48 + 3 * (4 * attributes.normals + 4 * attributes.colours + 8 * attributes.texcoords) +
-           12 * area_normals;
+  /// Of a triangle whose corners are less than 2^15 grid steps apart and that lies in its owner's bucket:
+  /// nearly all. 30 to 84 bytes.
+  std::uint32_t typical_record_bytes() const {
+    return 30 + 3 * (4 * attributes.normals + 4 * attributes.colours + 8 * attributes.texcoords) +
+           6 * area_normals;
   }
 };
-inline constexpr std::size_t max_soup_record_bytes = 48 + 3 * 16 + 12;
+inline constexpr std::size_t max_soup_record_bytes = 6 + 4 + 36 + 3 * 16 + 6;
 
-/// @param out  record_bytes() of it are written
-/// @return     what was written
-std::span<const std::byte> encode(const SoupTriangle& triangle, const SoupLayout& layout,
-                                  std::span<std::byte, max_soup_record_bytes> out);
+/// Records are what an out-of-core build writes and reads most of, so they are short: second and third corner
+/// relative to the first, area normals in 6 bytes (a direction to 0.005°, a length to 0.4 %).
+/// @param bucket  where it goes: the owner is stored where it is another
+/// @return what was written of `out`
+std::span<const std::byte> encode(const SoupTriangle& triangle, std::uint32_t bucket,
+                                  const SoupLayout& layout, std::span<std::byte, max_soup_record_bytes> out);
 
 /// Many of them; corner k of triangle i is vertex 3 i + k.
 struct TriangleSoup {
@@ -50,7 +54,7 @@ struct TriangleSoup {
   std::size_t size() const { return ordinals.size(); }
 };
 
-/// Records in any order → a soup in input order.
-TriangleSoup decode_soup(std::span<const std::byte> records, const SoupLayout& layout);
+/// Records of a bucket in any order → a soup in input order. Bytes after the last whole record are left out.
+TriangleSoup decode_soup(std::span<const std::byte> records, std::uint32_t bucket, const SoupLayout& layout);
 
 }  // namespace cuesta
