@@ -39,7 +39,7 @@ struct RoundChunk {
   std::vector<VertexId> ids;         ///< ascending
   std::vector<std::uint32_t> wedge;  ///< place of each vertex in its wedge group
   VertexTable vertices;
-  std::vector<std::uint8_t> locked;  ///< 1: triangles of other chunks use its group
+  std::vector<std::uint8_t> locked;  ///< 1: outside the chunk, or other chunks use its group
   std::vector<Triangle> triangles;
   std::vector<Birth> births;  ///< empty in round 0, as the following
   TriangleSamples samples;

@@ -73,7 +73,7 @@ struct LetterRecord {
 
 }  // namespace
 
-/// Bytes of a finished chunk: what goes into the file, and what goes into the journal.
+/// The three stages; each is skipped if the journal knows its result.
 class Ingest {
  public:
   Ingest(WorkFolder& folder, const IngestOptions& options, MemoryBudget& memory,

@@ -85,7 +85,8 @@ using InputReader = std::function<Result<std::vector<ReadReport>>(RawSurface& si
 /// @param read   not called when reading was finished by an earlier run
 /// @error those of `read`; invalid_input when nothing is left or the grid step does not fit the extent;
 ///        out_of_budget for memory or disk; io; cancelled.
-/// @cost about 1 µs per triangle and core; disk: 40 bytes per vertex and 90 per triangle at the peak.
+/// @cost about 1 µs per triangle and core; disk at the peak: 24 to 40 bytes per vertex, and per triangle 50 to 104 (20
+///       and a soup record; 180 in place of the 20 where its corners are in several blocks).
 Result<InputSurface> ingest(WorkFolder& folder, const IngestOptions& options, MemoryBudget& memory,
                             const InputReader& read, const BuildProgress& progress = {});
 

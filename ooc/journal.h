@@ -19,8 +19,9 @@ struct sqlite3;
 
 namespace cuesta {
 
-/// One thread at a time. What was recorded survives the end of the process at any moment; after a power
-/// failure, what was recorded before some moment and nothing after it.
+/// One thread at a time. What was recorded survives the end of the process at any moment. Not a power failure:
+/// the data that records speak of are not synced, so put what changes at a restart (the boot's id) into the
+/// fingerprint.
 class Journal {
  public:
   /// Opens or makes the journal; one of another `fingerprint` or of another version is emptied.
