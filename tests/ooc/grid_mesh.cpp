@@ -32,8 +32,8 @@ std::filesystem::path scratch_path() {
 Result<std::vector<ReadReport>> feed(const SurfaceMesh& mesh, RawSurface& sink) {
   sink.begin_input();
   for (std::size_t v = 0; v < mesh.positions.size(); v += block_elements)
-    if (auto r = sink.vertices({run(mesh.positions, v), run(mesh.normals, v), run(mesh.colours, v),
-                                run(mesh.texcoords, v)});
+    if (auto r = sink.vertices(
+            {run(mesh.positions, v), run(mesh.normals, v), run(mesh.colours, v), run(mesh.texcoords, v)});
         !r)
       return fail(r.error());
   std::vector<std::array<std::uint64_t, 3>> block;
@@ -89,8 +89,9 @@ Result<GridMesh> clean_mesh(const SurfaceMesh& mesh, const CleanOptions& options
   auto folder = WorkFolder::open(path, "test");
   if (!folder) return fail(folder.error());
   MemoryBudget memory(std::uint64_t{1} << 30);
-  auto surface = ingest(*folder, {options.step, options.make_normals, options.chunk_triangles, options.block_vertices}, memory,
-                        [&](RawSurface& sink) { return feed(mesh, sink); });
+  auto surface =
+      ingest(*folder, {options.step, options.make_normals, options.chunk_triangles, options.block_vertices},
+             memory, [&](RawSurface& sink) { return feed(mesh, sink); });
   Result<GridMesh> out;
   if (surface) {
     report = surface->report;
