@@ -2,6 +2,7 @@
 
 #include <sqlite3.h>
 
+#include <cerrno>
 #include <cstring>
 #include <utility>
 
@@ -36,7 +37,7 @@ void Journal::Close::operator()(sqlite3* db) const {
 
 tl::unexpected<Error> Journal::error(const char* what) const {
   const int code = db_ ? sqlite3_errcode(db_.get()) : SQLITE_NOMEM;
-  const int number = db_ ? sqlite3_system_errno(db_.get()) : 0;
+  const int number = errno;  // sqlite3_system_errno() does not know of failures to commit
   std::string message = std::string(what) + ": " + (db_ ? sqlite3_errmsg(db_.get()) : "no memory");
   const auto failed = [&](ErrorCode is) { return fail(is, path_.string(), "", message); };
   switch (code) {
@@ -58,6 +59,7 @@ tl::unexpected<Error> Journal::error(const char* what) const {
 }
 
 Result<void> Journal::execute(const char* sql) const {
+  errno = 0;
   if (sqlite3_exec(db_.get(), sql, nullptr, nullptr, nullptr) != SQLITE_OK)
     return error("cannot write the journal");
   return {};
@@ -129,6 +131,7 @@ Result<void> Journal::record(std::string_view stage, std::uint64_t number,
   sqlite3_bind_int64(s.get(), 2, static_cast<sqlite3_int64>(number));
   sqlite3_bind_blob64(s.get(), 3, result.empty() ? "" : static_cast<const void*>(result.data()),
                       result.size(), SQLITE_TRANSIENT);
+  errno = 0;
   if (sqlite3_step(s.get()) != SQLITE_DONE) return error("cannot write the journal");
   return {};
 }

@@ -24,6 +24,11 @@ Result<WorkFolder> WorkFolder::open(const std::filesystem::path& path, const std
                 "with --temp");
   // Who has the journal has the folder: nothing is touched before.
   auto journal = Journal::open(journal_path, fingerprint, resume);
+  if (!journal && !resume && journal.error().code == ErrorCode::corrupt) {
+    std::filesystem::remove(journal_path, failed);
+    std::filesystem::remove(journal_path.string() + "-wal", failed);
+    journal = Journal::open(journal_path, fingerprint, resume);
+  }
   if (!journal) return fail(journal.error());
   if (!journal->is_resumed())
     for (const auto& entry : std::filesystem::directory_iterator(path, failed))
