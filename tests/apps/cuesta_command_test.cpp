@@ -1,8 +1,11 @@
 /// The whole way through the built executable: mesh in, .cuesta file, cuts and pictures out.
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <csignal>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <thread>
 
 #include "ooc/mesh_writer.h"
@@ -175,7 +178,10 @@ TEST_F(CuestaCommand, SeveralInputsAreOneSurface) {
   write_halves(north, south);
   const std::size_t all = bumpy_sphere(40, 40).triangles.size();
   EXPECT_EQ(cuesta({"build", north, south}).status, 1);
-  EXPECT_EQ(cuesta({"build", north, *folder / "nothing.ply", "-o", out}).status, 2);
+  const Outcome missing = cuesta({"build", north, *folder / "nothing.ply", "-o", out});
+  EXPECT_EQ(missing.status, 2);
+  EXPECT_NE(missing.err.find("nothing.ply"), std::string::npos) << missing.err;
+  EXPECT_FALSE(std::filesystem::exists(out + ".work")) << "told before the first is read";
   EXPECT_EQ(cuesta({"build", north, south, "-o", south}).status, 5);
   const Outcome outcome = cuesta({"build", north, south, "-o", out});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -290,7 +296,7 @@ TEST_F(CuestaCommand, ExitStatusesAreThoseDocumented) {
   EXPECT_EQ(cuesta({"measure", nothing, mesh_path()}).status, 2);
   EXPECT_EQ(cuesta({"info", mesh_path()}).status, 3);
   EXPECT_EQ(cuesta({"export", file(), "-o", *folder / "out.txt", "--full"}).status, 5);
-  EXPECT_EQ(cuesta({"build", mesh_path(), "-o", out, "--memory", "2M"}).status, 7);
+  EXPECT_EQ(cuesta({"build", mesh_path(), "-o", out, "--memory", "2M"}).status, 5);
   EXPECT_EQ(cuesta({"--version"}).status, 0);
   EXPECT_EQ(cuesta({"--help"}).status, 0);
 }
@@ -304,19 +310,122 @@ TEST_F(CuestaCommand, EveryCommandHelpsWithAnExample) {
   }
 }
 
-TEST_F(CuestaCommand, AStopDuringABuildLeavesNoFile) {
-  const std::string large = *folder / "large.ply", out = *folder / "large.cuesta";
-  ASSERT_TRUE(write_mesh(large, bumpy_sphere(500, 500)));
-  Program program(*folder, {"build", large, "-o", out, "--cell", "1024", "--threads", "1"});
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!std::filesystem::exists(out + ".part") && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  ASSERT_EQ(kill(program.id(), SIGINT), 0);
-  const Outcome outcome = program.wait();
+/// A larger mesh that is built with interruptions, and the bytes that it gives without.
+class InterruptedBuild : public CuestaCommand {
+ protected:
+  void SetUp() override {
+    if (!expected.empty()) return;
+    ASSERT_TRUE(write_mesh(mesh(), bumpy_sphere(300, 300)));
+    const Outcome whole = cuesta(command());
+    ASSERT_EQ(whole.status, 0) << whole.err;
+    expected = read_text(out());
+    TearDown();
+  }
+  void TearDown() override {
+    for (const std::string& left : {out(), part(), work()}) std::filesystem::remove_all(left);
+  }
+  static std::string mesh() { return *folder / "large.ply"; }
+  static std::string out() { return *folder / "large.cuesta"; }
+  static std::string part() { return out() + ".part"; }
+  static std::string work() { return out() + ".work"; }
+  static std::vector<std::string> command() {
+    return {"build", mesh(), "-o", out(), "--cell", "1024", "--threads", "1", "--force"};
+  }
+  static bool has_bytes(const std::string& path) {
+    std::error_code failed;
+    const auto bytes = std::filesystem::file_size(path, failed);
+    return !failed && bytes > 0;
+  }
+  /// Starts the build and sends it the signal as soon as `path` is a file with something in it.
+  static Outcome interrupted(int signal, const std::string& path) {
+    Program program(*folder, command());
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (!has_bytes(path) && std::chrono::steady_clock::now() < deadline)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    EXPECT_EQ(kill(program.id(), signal), 0);
+    return program.wait();
+  }
+  static void expect_kept() {
+    EXPECT_FALSE(std::filesystem::exists(out()));
+    EXPECT_TRUE(has_bytes(work() + "/journal.sqlite"));
+  }
+  /// The build to its end, from what is there.
+  static void expect_the_same(bool resumed, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words = command();
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = cuesta(words);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.err.find("going on") != std::string::npos, resumed) << outcome.err;
+    EXPECT_TRUE(read_text(out()) == expected);
+    EXPECT_FALSE(std::filesystem::exists(part()));
+    EXPECT_FALSE(std::filesystem::exists(work()));
+  }
+
+  static std::string expected;
+};
+
+std::string InterruptedBuild::expected;
+
+TEST_F(InterruptedBuild, AStopKeepsWhatIsDoneAndTheNextRunGoesOn) {
+  const Outcome outcome = interrupted(SIGINT, part());
   EXPECT_EQ(outcome.status, 8) << outcome.err;
   EXPECT_NE(outcome.err.find("cancelled"), std::string::npos) << outcome.err;
-  EXPECT_FALSE(std::filesystem::exists(out));
-  EXPECT_FALSE(std::filesystem::exists(out + ".part"));
+  EXPECT_NE(outcome.err.find("goes on from here"), std::string::npos) << outcome.err;
+  EXPECT_TRUE(has_bytes(part()));
+  expect_kept();
+  expect_the_same(true);
+}
+
+TEST_F(InterruptedBuild, ResumeNeverStartsOver) {
+  EXPECT_EQ(interrupted(SIGINT, part()).status, 8);
+  expect_kept();
+  expect_the_same(false, {"--resume", "never"});
+}
+
+TEST_F(InterruptedBuild, KilledThreeTimesGivesTheSameBytes) {
+  for (const std::string& moment : {work() + "/positions", work() + "/chunks", part()}) {
+    EXPECT_EQ(interrupted(SIGKILL, moment).status, -SIGKILL) << moment;
+    expect_kept();
+  }
+  expect_the_same(true);
+}
+
+/// Files may not grow beyond `bytes` in a program that is started meanwhile, as under `ulimit -f`.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    EXPECT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+  }
+  ~FileSizeLimit() { setrlimit(RLIMIT_FSIZE, &before_); }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(InterruptedBuild, AFileSizeLimitIsToldAndLosesNothing) {
+  const auto limited = [](rlim_t bytes) {
+    std::optional<FileSizeLimit> limit(bytes);
+    Program program(*folder, command());
+    limit.reset();
+    const Outcome outcome = program.wait();
+    EXPECT_EQ(outcome.status, 7) << outcome.err;
+    EXPECT_NE(outcome.err.find("File too large"), std::string::npos) << outcome.err;
+    return outcome.err;
+  };
+  // Too little for the vertices that were read; then for the triangles with their corners.
+  EXPECT_NE(limited(500'000).find("positions"), std::string::npos);
+  expect_kept();
+  EXPECT_NE(limited(4'000'000).find("soup"), std::string::npos);
+  expect_kept();
+  // Too little for the file itself.
+  EXPECT_EQ(interrupted(SIGINT, part()).status, 8);
+  EXPECT_NE(limited(std::filesystem::file_size(part()) + 1000).find(part()), std::string::npos);
+  expect_kept();
+  expect_the_same(true);
 }
 
 }  // namespace
