@@ -10,7 +10,8 @@ cuesta_find_openvdb()
 
 # Sources that include OpenVDB: its types register themselves in statics of templates, of which the program and
 # the library must see one copy. With hidden ones openvdb::initialize() crashes.
+# No sanitizers: with them g++ 12 takes minutes and more than 2 GiB for each, instead of 15 s and 0.9 GiB.
 function(cuesta_uses_openvdb)
   set_source_files_properties(${ARGN} PROPERTIES
-    COMPILE_OPTIONS "-fvisibility=default;-fno-visibility-inlines-hidden")
+    COMPILE_OPTIONS "-fvisibility=default;-fno-visibility-inlines-hidden;-fno-sanitize=all")
 endfunction()
