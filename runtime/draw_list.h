@@ -23,6 +23,9 @@ struct Range {
   std::uint32_t count;
 };
 
+/// How a triangle came to be drawn in the last adapt(), for debug views.
+enum class TriangleTag : std::uint8_t { unchanged = 0, coarse = 1, fine = 2 };
+
 /// Spans stay valid until the next call that changes the owner.
 struct DrawList {
   Grid grid;
@@ -32,6 +35,9 @@ struct DrawList {
   std::span<const Range> draws;             ///< ranges of `indices`, one per page with something to draw
   std::span<const Range> changed_vertices;  ///< ranges of `vertices` to upload since the last frame
   std::span<const Range> changed_indices;
+  // For debug views; empty where the owner does not keep them.
+  std::span<const std::uint32_t> draw_pages = {};   ///< page of each of `draws`
+  std::span<const std::uint8_t> triangle_tags = {};  ///< a TriangleTag per triangle of `indices`
 };
 
 }  // namespace cuesta
