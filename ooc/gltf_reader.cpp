@@ -76,6 +76,14 @@ class Reader {
       : job_(job), document_(document), data_(job, document, binary), out_(job, attributes(document)) {}
 
   Result<ReadReport> read() {
+    auto report = read_meshes();
+    // Errors too may come of a buffer that changed; only what the caller wanted does not.
+    if (report || report.error().code != ErrorCode::cancelled) CUESTA_TRY(data_.check_unchanged());
+    return report;
+  }
+
+ private:
+  Result<ReadReport> read_meshes() {
     auto instances = instances_of(job_, document_);
     if (!instances) return fail(std::move(instances).error());
     for (std::size_t mesh = 0; mesh < document_.meshes.size(); ++mesh) {
@@ -88,12 +96,10 @@ class Reader {
       out_.at_byte(job_.bytes.size() * (mesh + 1) / document_.meshes.size());
     }
     auto report = out_.finish();
-    CUESTA_TRY(data_.check_unchanged());
     if (report) report->other_files = data_.other_files();
     return report;
   }
 
- private:
   static AttributeSet attributes(const Document& d) {
     AttributeSet set;
     for (const Mesh& mesh : d.meshes) {

@@ -31,12 +31,13 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& path) {
   if (descriptor < 0) return os_error(path, "cannot open");
   auto file = map(descriptor, path);
   ::close(descriptor);
-  if (file) file->path_ = path;
+  if (file) file->is_named_ = true;
   return file;
 }
 
 Result<MappedFile> MappedFile::map(int descriptor, const std::filesystem::path& path) {
   MappedFile file;
+  file.path_ = path;
   struct stat info {};
   if (::fstat(descriptor, &info) != 0 || !S_ISREG(info.st_mode))
     return fail(ErrorCode::io, path.string(), "", "expected a regular file");
@@ -48,6 +49,7 @@ Result<MappedFile> MappedFile::map(int descriptor, const std::filesystem::path& 
     file.descriptor_ = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
     file.data_ = static_cast<const char*>(map);
     file.size_ = size;
+    file.guard_ = MapGuard(map, size);
   }
   return file;
 }
@@ -57,7 +59,9 @@ MappedFile::MappedFile(MappedFile&& other) noexcept
       size_(std::exchange(other.size_, 0)),
       descriptor_(std::exchange(other.descriptor_, -1)),
       stamp_(other.stamp_),
-      path_(std::move(other.path_)) {}
+      path_(std::move(other.path_)),
+      is_named_(other.is_named_),
+      guard_(std::move(other.guard_)) {}
 
 MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
   std::swap(data_, other.data_);
@@ -65,11 +69,14 @@ MappedFile& MappedFile::operator=(MappedFile&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
   std::swap(stamp_, other.stamp_);
   std::swap(path_, other.path_);
+  std::swap(is_named_, other.is_named_);
+  std::swap(guard_, other.guard_);
   return *this;
 }
 
 MappedFile::~MappedFile() {
   close_descriptor();
+  guard_ = {};
   if (data_) ::munmap(const_cast<char*>(data_), size_);
 }
 
@@ -103,11 +110,21 @@ void MappedFile::close_descriptor() {
 }
 
 Result<void> MappedFile::check_unchanged() const {
-  if (path_.empty()) return {};
+  const bool faulted = guard_.has_faulted();
+  if (!is_named_ && !faulted) return {};
+  Stamp now = stamp_;
   struct stat info {};
-  if (::stat(path_.c_str(), &info) != 0) return {};  // removed or out of reach: the map still has it
-  const Stamp now = stamp_of(info);
-  if (now == stamp_ || now.device != stamp_.device || now.node != stamp_.node) return {};
+  const bool is_found =
+      descriptor_ >= 0 ? ::fstat(descriptor_, &info) == 0 : ::stat(path_.c_str(), &info) == 0;
+  if (is_found) now = stamp_of(info);
+  if (now.device != stamp_.device || now.node != stamp_.node) now = stamp_;  // the map still has the other
+  if (now.size < stamp_.size)
+    return fail(ErrorCode::io, path_.string(), "",
+                "the file became shorter while it was read; read it again when nothing writes to it");
+  if (faulted)
+    return fail(ErrorCode::io, path_.string(), "",
+                "a part of the file could not be read: its disk fails, or the file was shorter for a time");
+  if (now == stamp_) return {};
   return fail(ErrorCode::io, path_.string(), "",
               "the file changed while it was read; read it again when nothing writes to it");
 }

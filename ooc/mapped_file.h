@@ -6,17 +6,17 @@
 #include <filesystem>
 #include <span>
 
+#include "ooc/map_guard.h"
 #include "ooc/result.h"
 
 struct stat;
 
 namespace cuesta {
 
-/// Owns the map. What is touched must be readable: a page that another program has cut off the file since it
-/// was mapped, or that the disk cannot read, ends this process with SIGBUS. check_unchanged() between reads
-/// finds the first before it is touched, unless it happens in between. Use it for inputs that belong to the
-/// user, not for files that something is writing. Beside resident pages a map costs page tables: 2 MiB per
-/// GiB touched.
+/// Owns the map. From a page on that another program has cut off the file since it was mapped, or that the
+/// disk cannot read, bytes() are zeros (map_guard.h), and check_unchanged() is an error from then on: ask it
+/// before anything that was read is believed. Use it for inputs that belong to the user, not for files that
+/// something is writing. Beside resident pages a map costs page tables: 2 MiB per GiB touched.
 class MappedFile {
  public:
   /// What a fault maps around the page that was touched, at most: Linux from 6.18 on maps whole large folios
@@ -44,9 +44,12 @@ class MappedFile {
   Result<void> read(std::uint64_t offset, std::span<char> into) const;
   /// A process has few descriptors: for whoever opens many files. The map stays.
   void close_descriptor();
-  /// For a file that was opened by name. A file put in its place under the name is no change: the map shows
-  /// the old one. @error io: it was written to, cut or made longer since it was mapped. @cost a system call.
+  /// A file put in its place under the name is no change: the map shows the old one. @error io: bytes() are
+  /// not what is in the file; or, of a file that was opened by name, it was written to, cut or made longer
+  /// since it was mapped. @cost a system call.
   Result<void> check_unchanged() const;
+  /// Whether zeros were read in place of what is in the file.
+  bool has_faulted() const { return guard_.has_faulted(); }
 
  private:
   /// Which file it was, how long, and when last written.
@@ -61,7 +64,9 @@ class MappedFile {
   std::size_t size_ = 0;
   int descriptor_ = -1;  ///< a copy
   Stamp stamp_;
-  std::filesystem::path path_;  ///< empty unless opened by name
+  std::filesystem::path path_;
+  bool is_named_ = false;  ///< opened by name: path_ leads to it, or did
+  MapGuard guard_;
 };
 
 }  // namespace cuesta

@@ -91,6 +91,13 @@ Result<ReadReport> read_bytes(const ReadJob& job, const std::filesystem::path& n
   }
 }
 
+/// A file that changed may look damaged, or may have been taken for a mesh of any size: the cause goes before
+/// the symptom.
+bool is_in_doubt(const Result<ReadReport>& report, const MappedFile& file) {
+  if (report || report.error().code == ErrorCode::corrupt) return true;
+  return file.has_faulted() && report.error().code != ErrorCode::cancelled;
+}
+
 /// Two passes over one file: unpacking is the first half of its bytes, reading the second.
 Result<ReadReport> read_compressed(const ReadJob& job, Compression compression,
                                    const std::filesystem::path& temp) {
@@ -118,6 +125,7 @@ Result<ReadReport> read_compressed(const ReadJob& job, Compression compression,
   inner.file = &*file;
   inner.window = &window;
   auto report = read_bytes(inner, name_inside(job.path));
+  if (is_in_doubt(report, *file)) CUESTA_TRY(file->check_unchanged());
   if (!report && !report.error().place.empty()) report.error().place += " unpacked";
   return report;
 }
@@ -138,8 +146,7 @@ Result<ReadReport> read_into(const std::filesystem::path& path, MeshSink& sink, 
   const Compression compression = compression_of(job.bytes);
   auto report =
       compression == Compression::none ? read_bytes(job, path) : read_compressed(job, compression, temp);
-  // A file that changed may look damaged: the cause goes before the symptom.
-  if (report || report.error().code == ErrorCode::corrupt) CUESTA_TRY(file->check_unchanged());
+  if (is_in_doubt(report, *file)) CUESTA_TRY(file->check_unchanged());
   if (!report && report.error().file.empty()) report.error().file = path.string();
   return report;
 }

@@ -70,7 +70,7 @@ using ReadProgress = std::function<bool(std::uint64_t bytes_done, std::uint64_t 
 /// closes the surface. Its memory is the tree of the grid without values, and one block.
 /// @error not_found, io; corrupt or unsupported_version with line or byte; out_of_budget before a count in
 /// the
-///        file makes it allocate more; cancelled; io if a file changes while it is read (but see MappedFile).
+///        file makes it allocate more; cancelled; io if a file changes, or becomes shorter, while it is read.
 ///        Also of unpack_file() and TempFile. Never more memory than `memory_bytes` + 16 MiB, resident pages
 ///        of mapped files included, for any size of the input (for hostile Draco data see draco_mesh.h; a
 ///        single line, or a gap between two numbers, is resident as a whole).

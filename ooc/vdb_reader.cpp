@@ -529,6 +529,17 @@ Result<void> check_is_the_file(const ReadJob& job) {
                    "compressed inside)");
 }
 
+Result<ReadReport> read_guarded(const ReadJob& job, const VdbGrid& entry) {
+  try {
+    return read_grid(job, entry);
+  } catch (const std::bad_alloc&) {
+    return job.error(ErrorCode::out_of_budget, "", "the system has no memory left");
+  } catch (const std::exception& e) {
+    return job.corrupt_at(entry.topology_byte,
+                          fmt::format("grid {} cannot be read: {}", quote_word(entry.name), e.what()));
+  }
+}
+
 }  // namespace
 
 Result<ReadReport> read_vdb(const ReadJob& job) {
@@ -539,14 +550,11 @@ Result<ReadReport> read_vdb(const ReadJob& job) {
   const auto entry = choose_vdb_grid(job, *grids, job.volume.grid);
   if (!entry) return fail(entry.error());
   CUESTA_TRY(check_is_the_file(job));
-  try {
-    return read_grid(job, *entry);
-  } catch (const std::bad_alloc&) {
-    return job.error(ErrorCode::out_of_budget, "", "the system has no memory left");
-  } catch (const std::exception& e) {
-    return job.corrupt_at(entry->topology_byte,
-                          fmt::format("grid {} cannot be read: {}", quote_word(entry->name), e.what()));
-  }
+  const ForeignMapGuard guard;  // OpenVDB maps the file for itself
+  auto report = read_guarded(job, *entry);
+  if (!guard.has_faulted() || (!report && report.error().code == ErrorCode::cancelled)) return report;
+  if (job.file) CUESTA_TRY(job.file->check_unchanged());
+  return job.error(ErrorCode::io, "", "a part of the file could not be read from its disk");
 }
 
 }  // namespace cuesta
