@@ -1,25 +1,26 @@
 #include "runtime/cut.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <tuple>
+#include <cmath>
 
 namespace cuesta {
 namespace {
 
-/// Operations between two looks at the clock.
-constexpr std::uint32_t operations_per_look = 32;
-
-/// Bins of sse with 32 to the octave: the upper bits of a positive float. The last one holds infinity alone.
-constexpr std::size_t sse_bins = (0x7F800000u >> 18) + 1;
-std::size_t bin_of(double sse) {
-  return std::bit_cast<std::uint32_t>(static_cast<float>(sse)) >> 18;
-}
-double bin_floor(std::size_t bin) {
-  return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(bin) << 18));
-}
 constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Work between two looks at the clock, a few dozen microseconds.
+constexpr std::uint32_t operations_per_look = 32;
+constexpr std::uint32_t blocks_per_look = 64;
+/// Share of the time for finding out what to do; the rest is for doing it.
+constexpr double plan_share = 0.5;
+/// A camera that has not moved for so many calls is at rest.
+constexpr std::uint32_t frames_to_rest = 8;
+/// Pages up to so many times the distance of the nearest one take the fine path, at up to this speed (of that distance,
+/// per frame); at twice the speed it is half as far.
+constexpr double fine_reach = 3, fine_speed = 0.02;
+/// Pages are asked for that will be wanted in so many frames, but not at the cost of pages wanted less long ago.
+constexpr double prefetch_frames = 20;
+constexpr std::uint64_t prefetch_keeps_frames = 60;
 
 double sse_of(ErrorCode8 error, double scale) {
   return error == 0 ? 0 : static_cast<double>(decode_error(error)) / scale;
@@ -27,234 +28,385 @@ double sse_of(ErrorCode8 error, double scale) {
 
 /// How many substitutions of a fan have sse ≤ tau. Joined ones share an error, so none is torn apart.
 std::uint16_t count_up_to(std::span<const ChildState> children, double scale, double tau) {
-  const auto end = std::partition_point(children.begin(), children.end(),
-                                        [&](const ChildState& c) { return sse_of(c.error, scale) <= tau; });
-  return static_cast<std::uint16_t>(end - children.begin());
+  std::uint16_t count = 0;
+  while (count < children.size() && sse_of(children[count].error, scale) <= tau) ++count;
+  return count;
 }
 
 }  // namespace
+
+/// One call of adapt().
+struct Cut::Frame {
+  const ErrorScale& scale;
+  const double tau;  // the user's
+  const Budgets& budgets;
+  AdaptReport& report;
+  double start_ms;
+  std::uint64_t upload_start = 0;
+  double floor = 0;  // what the byte budget leaves of tau
+  double aim = 0;
+  bool at_rest = false;
+  bool all_planned = false, blocked = false;  // blocked: a refinement found no triangles left
+  bool coarsened = false, refined = false;
+  std::uint32_t unlooked = 0;  // operations or blocks since the last look at the clock
+  double undone_sse = 0;       // of what a budget left undone
+};
 
 void AdaptReport::add_work_of(const AdaptReport& earlier) {
   coarse_operations += earlier.coarse_operations;
   fine_operations += earlier.fine_operations;
   pages_loaded += earlier.pages_loaded;
+  blocks_tested += earlier.blocks_tested;
   adapt_ms += earlier.adapt_ms;
   load_ms += earlier.load_ms;
 }
 
-Result<std::unique_ptr<Cut>> Cut::open(CuestaFile file, std::uint64_t cache_bytes, Clock clock) {
-  auto cache = PageCache::open(std::move(file), cache_bytes);
+Result<std::unique_ptr<Cut>> Cut::open(CuestaFile file, std::uint64_t cache_bytes, Clock clock,
+                                       std::uint32_t load_threads) {
+  auto cache = PageCache::open(std::move(file), cache_bytes, load_threads);
   if (!cache) return fail(cache.error());
   return std::unique_ptr<Cut>(new Cut(std::move(*cache), std::move(clock)));
 }
 
-/// Loads what the view wants, the worst first; pages that become loadable by it are considered in the same
-/// call.
-void Cut::load_pages(const ErrorScale& scale, double tau, const Budgets& budgets, AdaptReport& report) {
-  const Directory& d = directory();
-  std::vector<std::pair<double, PageId>> wanted;
-  for (bool again = true; again;) {
-    again = false;
-    wanted.clear();
-    for (PageId id = 0; id < d.pages.size(); ++id) {
-      const PageEntry& e = d.pages[id];
-      const double sse = sse_of(e.largest_error, scale.scale(e.bound));
-      if (!(sse > tau)) continue;
-      if (cache_->resident(id))
-        cache_->want(id, frame_);
-      else if (cache_->loadable(id))
-        wanted.emplace_back(-sse, id);
-    }
-    std::sort(wanted.begin(), wanted.end());
-    for (const auto& [minus_sse, id] : wanted) {
-      if (report.pages_loaded >= budgets.page_loads) {
-        report.bound_by = Binding::page_loads;
-        return;
+bool Cut::out_of_time(const Frame& f, double share) const {
+  return clock_() - f.start_ms > f.budgets.adapt_ms * share;
+}
+
+void Cut::follow(const ErrorScale& scale, double tau, const Budgets& budgets) {
+  const bool still = scale_ && *scale_ == scale && tau_ == tau && budgets_ == budgets;
+  still_frames_ = still ? still_frames_ + 1 : 0;
+  if (still) {
+    velocity_ = {};
+    return;
+  }
+  const bool comparable = scale_ && !scale_->is_uniform() && !scale.is_uniform();
+  const Vec3d step = comparable ? scale.eye() - scale_->eye() : Vec3d{};
+  if (comparable)
+    travelled_ += length(step);
+  else  // what was tested for another kind of scale says nothing
+    for (const PageId id : cache_->resident_ids()) cache_->resident(id)->tested_limit = -1;
+  velocity_ = velocity_ * 0.5 + step * 0.5;
+  scale_ = scale;
+  tau_ = tau;
+  budgets_ = budgets;
+  settled_ = false;
+  rest_tau_.reset();
+  triangle_demand_.restart();
+}
+
+/// The threshold of this frame: the user's, raised by the regulator, at rest by what exactly fits, and by what the byte
+/// budget leaves.
+void Cut::choose_tau(Frame& f) {
+  const bool above = cache_->pool().active_triangles() > f.budgets.triangles;
+  if (above && !rest_tau_) {
+    triangle_demand_.restart();
+    triangle_demand_.count(*cache_, f.scale, f.tau, f.budgets.triangles, [] { return false; });
+    regulator_.set(triangle_demand_.tau());
+    rest_tau_ = triangle_demand_.tau();
+  }
+  const bool still = still_frames_ > 0 || f.at_rest;
+  const double regulated = still ? regulator_.at_least(f.tau) : regulator_.next(load_, f.tau);
+  const double wanted = rest_tau_ ? *rest_tau_ : regulated;
+  const double from = still ? f.tau : wanted;
+  demand_.find(*cache_, f.scale, from);
+  f.floor = demand_.affordable(*cache_, from);
+  f.aim = std::max(wanted, f.floor);
+  f.report.tau = f.aim;
+  if (f.floor > from) f.report.bound_by = Binding::resident_bytes;
+}
+
+void Cut::load_pages(Frame& f) {
+  const auto wanted = demand_.wanted();
+  for (const WantedPage& w : wanted)
+    if (w.sse > f.aim && cache_->resident(w.id)) cache_->want(w.id, frame_);
+  std::uint32_t asked = 0;
+  bool room = true;
+  for (const WantedPage& w : wanted) {
+    if (!(w.sse > f.aim)) break;
+    if (cache_->resident(w.id) || cache_->failed(w.id)) continue;
+    if (room && cache_->requestable(w.id) && !cache_->busy()) {
+      if (asked == f.budgets.page_loads) {
+        f.report.bound_by = Binding::page_loads;
+        room = false;
+      } else {
+        room = cache_->request(w.id, frame_);
+        asked += room;
+        f.report.pages_loaded += cache_->take_in(frame_, f.budgets.upload_bytes);
       }
-      const auto loaded = cache_->load(id, frame_);
-      if (!loaded) continue;
-      if (!*loaded) {
-        report.bound_by = Binding::resident_bytes;
-        return;
-      }
-      ++report.pages_loaded;
-      again = true;
     }
+    if (cache_->resident(w.id) || cache_->failed(w.id)) continue;
+    ++f.report.pages_missing;
+    f.undone_sse = std::max(f.undone_sse, w.sse);
   }
 }
 
-Cut::Band Cut::affordable_band(const ErrorScale& scale, double tau, std::uint64_t triangle_budget) const {
-  if (triangle_budget == std::numeric_limits<std::uint64_t>::max()) return {tau, tau};
-  std::vector<std::uint64_t> gain(sse_bins, 0);
-  std::uint64_t coarsest = cache_->pool().active_triangles();
-  for (PageId id : cache_->resident_ids()) {
+void Cut::prefetch(Frame& f) {
+  if (f.scale.is_uniform() || still_frames_ > 0 || f.report.pages_missing > 0 || cache_->busy() ||
+      f.budgets.page_loads == 0 || frame_ <= prefetch_keeps_frames || length(velocity_) == 0)
+    return;
+  for (const WantedPage& w :
+       predicted_.find(*cache_, f.scale.moved(velocity_ * prefetch_frames), f.aim)) {
+    if (cache_->busy()) return;
+    if (cache_->requestable(w.id) && !cache_->request(w.id, frame_ - prefetch_keeps_frames, true)) return;
+  }
+}
+
+/// Distance of the nearest page that nothing resident leans on and that is on the cut.
+void Cut::note_nearest(const Frame& f) {
+  nearest_ = infinity;
+  for (const PageId id : cache_->resident_ids()) {
     const ResidentPage& page = *cache_->resident(id);
-    for (std::size_t f = 0; f < page.fans().size(); ++f) {
-      const FanState& fan = page.fans()[f];
-      const double s = scale.scale(page.sphere(f));
-      const auto children = page.children(fan);
-      for (std::size_t i = 0; i < children.size(); ++i) {
-        if (i >= fan.applied) coarsest -= children[i].removed;
-        const double sse = sse_of(children[i].error, s);
-        if (sse > tau) gain[bin_of(sse)] += children[i].removed;
-      }
-    }
+    if (page.finer_residents == 0 && !page.fully_coarse())
+      nearest_ = std::min(nearest_, f.scale.near(directory().pages[id].bound));
   }
-  if (coarsest > triangle_budget) return {infinity, infinity};
-  std::uint64_t total = coarsest;
-  for (std::size_t bin = sse_bins; bin-- > 0;) {
-    if (total + gain[bin] <= triangle_budget) {
-      total += gain[bin];
-      continue;
-    }
-    if (bin + 1 == sse_bins) return {static_cast<double>(std::numeric_limits<float>::max()), infinity};
-    return {std::max(tau, bin_floor(bin)), bin_floor(bin + 1)};
-  }
-  return {tau, tau};
 }
 
-void Cut::plan(const ErrorScale& scale, Band band) {
+FanPath Cut::path_for(const Frame& f, const Sphere& bound) const {
+  if (policy_ == PathPolicy::always_coarse) return FanPath::coarse;
+  if (policy_ == PathPolicy::always_fine || f.at_rest || f.scale.is_uniform()) return FanPath::fine;
+  const double speed = length(velocity_) / nearest_;
+  const double reach = nearest_ * fine_reach * std::min(1.0, fine_speed / std::max(speed, 1e-30));
+  return f.scale.near(bound) <= reach || !(nearest_ < infinity) ? FanPath::fine : FanPath::coarse;
+}
+
+/// Finds what is to be moved, page by page in one direction. Where the time ends it, what leans on the planned part in
+/// that direction is complete, and so is what may be done: coarsenings when finer pages came first, else refinements.
+void Cut::plan(Frame& f) {
   coarsen_.clear();
   refine_.clear();
-  band_.clear();
-  demanded_ = 0;
-  for (PageId id : cache_->resident_ids()) {
-    const ResidentPage& page = *cache_->resident(id);
-    for (std::uint32_t f = 0; f < page.fans().size(); ++f) {
-      const FanState& fan = page.fans()[f];
-      const auto children = page.children(fan);
-      const double s = scale.scale(page.sphere(f));
-      const std::uint16_t least = count_up_to(children, s, band.apply_up_to);
-      const std::uint16_t most =
-          band.apply_up_to < band.undo_above ? count_up_to(children, s, band.undo_above) : least;
-      if (fan.applied < least) {
-        coarsen_.push_back({sse_of(children[least - 1u].error, s), id, f, least});
-      } else if (fan.applied > least) {
-        refine_.push_back({sse_of(children[fan.applied - 1u].error, s), id, f, least});
-        for (std::uint16_t i = most; i < fan.applied; ++i) demanded_ += children[i].removed;
-      }
-      if (std::max(fan.applied, least) < most)
-        band_.push_back({sse_of(children[most - 1u].error, s), id, f, most});
+  f.unlooked = 0;
+  const auto ids = cache_->resident_ids();
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (f.unlooked >= blocks_per_look) {
+      f.unlooked = 0;
+      if (out_of_time(f, plan_share)) return;
     }
+    const PageId id = finer_first_ ? ids[i] : ids[ids.size() - 1 - i];
+    plan_page(f, id, *cache_->resident(id));
   }
+  f.all_planned = true;
 }
 
-/// The order in which substitutions may be applied: ties go finer pages and earlier fans first.
-void Cut::sort_rising(std::vector<Operation>& operations) {
-  std::sort(operations.begin(), operations.end(), [](const Operation& a, const Operation& b) {
-    return std::tie(a.sse, a.page, a.fan) < std::tie(b.sse, b.page, b.fan);
-  });
+void Cut::plan_page(Frame& f, PageId id, ResidentPage& page) {
+  const Sphere& bound = directory().pages[id].bound;
+  const double factor = f.scale.page_factor(bound);
+  const double limit = f.aim * f.scale.unit() * factor;
+  const bool all = page.set_path(path_for(f, bound)) || page.tested_limit != limit;
+  page.tested_limit = limit;
+  ActiveNodes& nodes = page.active_nodes();
+  if (!all && !nodes.due(travelled_)) return;
+  candidates_.clear();
+  const bool near_and_far = !f.scale.is_uniform() && limit > 0 && limit < infinity;
+  const std::uint32_t tested =
+      near_and_far ? nodes.test(f.scale.eye(), limit, ErrorScale::nearest, travelled_, all, candidates_)
+                   : nodes.test_uniform(limit, candidates_);
+  f.unlooked += tested;
+  f.report.blocks_tested += tested;
+  for (const std::uint32_t fan : candidates_) plan_fan(f, page, fan, f.scale.scale(page.sphere(fan), factor));
 }
 
-/// Gives back what fills the band when the demanded part needs the room. @return true if it did: the plan is
-/// stale then.
-bool Cut::make_room(std::uint64_t triangle_budget) {
-  if (band_.empty() || cache_->pool().active_triangles() + demanded_ <= triangle_budget) return false;
-  sort_rising(band_);
-  for (const Operation& op : band_) {
-    if (cache_->pool().active_triangles() + demanded_ <= triangle_budget) return true;
-    ResidentPage& page = *cache_->resident(op.page);
-    while (page.fans()[op.fan].applied < op.goal) page.apply_next(op.fan);
+void Cut::plan_fan(Frame& f, ResidentPage& page, std::uint32_t fan, double scale) {
+  const FanState& state = page.fans()[fan];
+  const auto children = page.children(state);
+  std::uint16_t goal = count_up_to(children, scale, f.aim);
+  if (page.path() == FanPath::coarse && goal != state.child_count) {
+    if (goal >= state.applied) return;
+    goal = 0;
+  }
+  if (goal > state.applied)
+    coarsen_.add({sse_of(children[goal - 1u].error, scale), page.id(), fan, goal});
+  else if (goal < state.applied)
+    refine_.add({sse_of(children[state.applied - 1u].error, scale), page.id(), fan, goal});
+}
+
+/// @return false if the upload budget has no room for it.
+bool Cut::move(Frame& f, const Operation& op, std::uint16_t goal) {
+  ResidentPage& page = *cache_->resident(op.page);
+  GeometryPool& pool = cache_->pool();
+  const std::uint64_t used = pool.upload_bytes() - f.upload_start;
+  const std::uint64_t worst = std::uint64_t{page.entries_between(op.fan, goal)} * GeometryPool::dirty_bytes;
+  if (used > 0 && f.budgets.upload_bytes - std::min(used, f.budgets.upload_bytes) < worst) {
+    f.report.bound_by = Binding::upload_bytes;
+    return false;
+  }
+  const FanState before = page.fans()[op.fan];
+  const bool whole = before.child_count > 1 && (before.applied == 0 ? goal == before.child_count
+                                                                    : goal == 0 && before.applied == before.child_count);
+  page.move_fan(op.fan, goal);
+  if (whole)
+    ++f.report.coarse_operations;
+  else
+    f.report.fine_operations += goal > before.applied ? goal - before.applied : before.applied - goal;
+  if (pool.tagging())
+    page.tag_changes(op.fan, before.applied,
+                     static_cast<std::uint8_t>(whole ? TriangleTag::coarse : TriangleTag::fine));
+  return true;
+}
+
+bool Cut::coarsen(Frame& f) {
+  f.unlooked = 0;
+  while (const Operation* op = coarsen_.next()) {
+    if (++f.unlooked == operations_per_look) {
+      f.unlooked = 0;
+      if (out_of_time(f, 1)) {
+        f.report.bound_by = Binding::adapt_time;
+        return false;
+      }
+    }
+    if (!move(f, *op, op->goal)) return false;
   }
   return true;
 }
 
-bool Cut::coarsen(const Budgets& budgets, double start_ms, AdaptReport& report) {
-  sort_rising(coarsen_);
-  std::uint32_t done = 0;
-  for (const Operation& op : coarsen_) {
-    if (++done % operations_per_look == 0 && clock_() - start_ms > budgets.adapt_ms) return false;
-    ResidentPage& page = *cache_->resident(op.page);
-    const FanState& fan = page.fans()[op.fan];
-    const bool whole = fan.applied == 0 && op.goal == fan.child_count;
-    for (; fan.applied < op.goal; report.fine_operations += !whole) page.apply_next(op.fan);
-    report.coarse_operations += whole;
-  }
-  return true;
-}
-
-bool Cut::refine(const Budgets& budgets, double start_ms, AdaptReport& report) {
-  std::sort(refine_.begin(), refine_.end(), [](const Operation& a, const Operation& b) {
-    return std::tie(a.sse, a.page, a.fan) > std::tie(b.sse, b.page, b.fan);
-  });
+/// What does not fit the triangle budget ends it: all that follows may lean on it.
+bool Cut::refine(Frame& f) {
   const GeometryPool& pool = cache_->pool();
-  std::uint32_t done = 0;
-  for (const Operation& op : refine_) {
-    if (++done % operations_per_look == 0 && clock_() - start_ms > budgets.adapt_ms) {
-      report.bound_by = Binding::adapt_time;
-      return false;
-    }
-    ResidentPage& page = *cache_->resident(op.page);
-    const FanState& fan = page.fans()[op.fan];
-    const bool whole = op.goal == 0 && fan.applied == fan.child_count;
-    while (fan.applied > op.goal) {
-      if (pool.active_triangles() + page.undo_gain(op.fan) > budgets.triangles) {
-        report.bound_by = Binding::triangles;
-        return true;  // the rest waits for room, not for time
+  f.unlooked = 0;
+  while (const Operation* op = refine_.next()) {
+    if (++f.unlooked == operations_per_look) {
+      f.unlooked = 0;
+      if (out_of_time(f, 1)) {
+        f.report.bound_by = Binding::adapt_time;
+        f.undone_sse = std::max(f.undone_sse, op->sse);
+        return false;
       }
-      page.undo_last(op.fan);
-      report.fine_operations += !whole;
     }
-    report.coarse_operations += whole;
+    const ResidentPage& page = *cache_->resident(op->page);
+    const auto fits = [&](std::uint16_t goal) {
+      return pool.active_triangles() + page.undo_gain(op->fan, goal) <= f.budgets.triangles;
+    };
+    bool stopped = false;
+    if (fits(op->goal)) {
+      stopped = !move(f, *op, op->goal);
+    } else {
+      f.blocked = true;
+      while (!stopped && page.fans()[op->fan].applied > op->goal && fits(page.one_undone(op->fan)))
+        stopped = !move(f, *op, page.one_undone(op->fan));
+    }
+    if (stopped || f.blocked) {
+      f.undone_sse = std::max(f.undone_sse, op->sse);
+      if (f.blocked) f.report.bound_by = Binding::triangles;
+      return !stopped;  // the rest waits for triangles, not for the next frame
+    }
   }
   return true;
 }
 
-double Cut::achieved(const ErrorScale& scale) const {
-  double worst = 0;
-  for (PageId id : cache_->resident_ids()) {
-    const ResidentPage& page = *cache_->resident(id);
-    for (std::size_t f = 0; f < page.fans().size(); ++f) {
-      const FanState& fan = page.fans()[f];
-      if (fan.applied > 0)
-        worst = std::max(worst,
-                         scale.sse(decode_error(page.children(fan)[fan.applied - 1u].error), page.sphere(f)));
+/// Where nothing is left to do at this threshold: is it the least that the triangle budget allows?
+void Cut::rest(Frame& f) {
+  const bool done = f.all_planned && f.coarsened && f.refined && f.report.pages_missing == 0;
+  const bool moved = f.report.coarse_operations + f.report.fine_operations + f.report.pages_loaded > 0;
+  if (!done || moved || (still_frames_ == 0 && !f.at_rest)) return;
+  const bool free = !f.blocked && f.aim == f.floor;
+  if (!free) {
+    const auto late = [&] { return out_of_time(f, 1); };
+    if (!triangle_demand_.count(*cache_, f.scale, f.floor, f.budgets.triangles, late)) {
+      f.report.bound_by = Binding::adapt_time;
+      return;
     }
+    rest_tau_ = triangle_demand_.tau();
+    regulator_.set(*rest_tau_);
+    if (*rest_tau_ != f.aim) return;
+    f.report.bound_by = Binding::triangles;
   }
-  for (PageId id = 0; id < directory().pages.size(); ++id) {
-    const PageEntry& e = directory().pages[id];
-    if (!cache_->resident(id)) worst = std::max(worst, scale.sse(decode_error(e.largest_error), e.bound));
-  }
-  return worst;
+  settled_ = f.at_rest && cache_->on_their_way() == 0;
 }
 
 AdaptReport Cut::adapt(const ErrorScale& scale, double tau, const Budgets& budgets) {
-  AdaptReport report;
-  ++frame_;
-  const double load_start = clock_();
-  const Band wanted = affordable_band(scale, tau, budgets.triangles);
-  load_pages(scale, wanted.apply_up_to, budgets, report);
   const double start = clock_();
-  report.load_ms = start - load_start;
-  // Pages that came in may ask for triangles too.
-  const Band band = report.pages_loaded > 0 ? affordable_band(scale, tau, budgets.triangles) : wanted;
-  plan(scale, band);
-  const bool coarsened = coarsen(budgets, start, report);
-  // Above what coarsen() did: not before it is complete. What it applies may have to be undone first of all
-  // (I4).
-  if (coarsened && make_room(budgets.triangles)) plan(scale, band);
-  if (!coarsened) report.bound_by = Binding::adapt_time;
-  const bool refined = coarsened && refine(budgets, start, report);
-  if (band.apply_up_to > tau && report.bound_by == Binding::nothing) report.bound_by = Binding::triangles;
-  report.tau = band.apply_up_to;
-  report.adapt_ms = clock_() - start;
-  report.achieved = achieved(scale);
-  report.triangles = cache_->pool().active_triangles();
+  ++frame_;
+  follow(scale, tau, budgets);
+  GeometryPool& pool = cache_->pool();
+  AdaptReport report;
+  Frame f{scale, tau, budgets, report, start};
+  f.upload_start = pool.upload_bytes();
+  report.pages_loaded = cache_->take_in(frame_, budgets.upload_bytes);
+  if (settled_ && report.pages_loaded == 0) {
+    report = report_;
+    report.coarse_operations = report.fine_operations = report.blocks_tested = 0;
+    report.upload_bytes = 0;
+    report.load_ms = 0;
+    report.adapt_ms = clock_() - start;
+    return report;
+  }
+  if (report.pages_loaded > 0) triangle_demand_.restart();
+  f.at_rest = still_frames_ >= frames_to_rest || scale.is_uniform();
+  choose_tau(f);
+  load_pages(f);
+  if (cache_->loads_inline()) {
+    report.load_ms = clock_() - start;
+    f.start_ms += report.load_ms;
+  }
+  if (report.pages_loaded > 0) triangle_demand_.restart();
+  note_nearest(f);
+  plan(f);
+  if (f.all_planned || finer_first_) f.coarsened = coarsen(f) && f.all_planned;
+  if (f.all_planned || !finer_first_) f.refined = refine(f) && f.all_planned;
+  if (!f.all_planned) {
+    report.bound_by = Binding::adapt_time;
+    finer_first_ = !finer_first_;
+  }
+  rest(f);
+  prefetch(f);
+  if (report.bound_by == Binding::nothing && f.aim > f.floor) report.bound_by = Binding::triangles;
+  report.settled = settled_;
+  report.triangles = pool.active_triangles();
+  report.achieved = f.all_planned ? std::max(f.aim, f.undone_sse) : infinity;
   report.resident_bytes = cache_->resident_bytes();
-  const bool changed = report.pages_loaded + report.coarse_operations + report.fine_operations > 0;
-  report.settled = coarsened && refined && !changed && report.bound_by != Binding::page_loads;
+  report.upload_bytes = pool.upload_bytes() - f.upload_start;
+  report.adapt_ms = clock_() - f.start_ms;
+  const auto share = [](double used, double budget) { return used / budget; };
+  load_ = std::max({share(static_cast<double>(report.triangles), static_cast<double>(budgets.triangles)),
+                    share(report.adapt_ms, budgets.adapt_ms),
+                    share(static_cast<double>(report.upload_bytes), static_cast<double>(budgets.upload_bytes))});
+  report_ = report;
   return report;
 }
 
 AdaptReport Cut::settle(const ErrorScale& scale, double tau, const Budgets& budgets, int max_calls) {
   AdaptReport sum;
+  follow(scale, tau, budgets);
+  still_frames_ = frames_to_rest;
   for (int call = 0; call < max_calls; ++call) {
     AdaptReport last = adapt(scale, tau, budgets);
+    if (last.pages_missing > 0 && last.bound_by != Binding::adapt_time) cache_->wait();
     last.add_work_of(sum);
     sum = last;
     if (sum.settled) break;
   }
+  sum.achieved = achieved(scale);
   return sum;
+}
+
+double Cut::achieved(const ErrorScale& scale) const {
+  double worst = 0;
+  for (const PageId id : cache_->resident_ids()) {
+    const ResidentPage& page = *cache_->resident(id);
+    const double factor = scale.page_factor(directory().pages[id].bound);
+    for (std::size_t f = 0; f < page.fans().size(); ++f) {
+      const FanState& fan = page.fans()[f];
+      if (fan.applied > 0)
+        worst = std::max(worst, scale.sse(decode_error(page.children(fan)[fan.applied - 1u].error), page.sphere(f),
+                                          factor));
+    }
+  }
+  for (PageId id = 0; id < directory().pages.size(); ++id) {
+    const PageEntry& e = directory().pages[id];
+    if (!cache_->resident(id))
+      worst = std::max(worst, scale.sse(decode_error(e.largest_error), e.bound, scale.page_factor(e.bound)));
+  }
+  return worst;
+}
+
+DrawList Cut::draw_list(const std::optional<ErrorScale>& seen_from) {
+  runs_.clear();
+  drawn_.clear();
+  for (const PageId id : cache_->resident_ids()) {
+    if (seen_from && seen_from->invisible(directory().pages[id].bound)) continue;
+    runs_.push_back(cache_->resident(id)->run());
+    drawn_.push_back(id);
+  }
+  return cache_->pool().draw_list(directory().grid, runs_, drawn_);
 }
 
 }  // namespace cuesta

@@ -1,9 +1,30 @@
 #include "runtime/error_scale.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace cuesta {
+namespace {
+
+std::array<Vec3d, 5> frustum(const View& view, double widen) {
+  const auto [right, up, back] = view.frame();
+  const Vec3d ahead = -back;
+  const double half_y = view.fov_y_rad / 2;
+  const double half_x = std::atan(std::tan(half_y) * view.width_px / view.height_px);
+  const double limit = std::numbers::pi / 2 - 1e-3;
+  const double x = std::min(half_x * widen, limit);
+  const double y = std::min(half_y * widen, limit);
+  return {ahead * std::sin(x) + right * std::cos(x), ahead * std::sin(x) - right * std::cos(x),
+          ahead * std::sin(y) + up * std::cos(y), ahead * std::sin(y) - up * std::cos(y), ahead};
+}
+
+bool outside(const std::array<Vec3d, 5>& planes, Vec3d to_centre, double radius) {
+  return std::any_of(planes.begin(), planes.end(),
+                     [&](const Vec3d& n) { return dot(n, to_centre) < -radius; });
+}
+
+}  // namespace
 
 ErrorScale ErrorScale::uniform(const Grid& grid) {
   ErrorScale s;
@@ -17,31 +38,28 @@ ErrorScale ErrorScale::perspective(const Grid& grid, const View& view, double ou
   s.unit_ = 1 / view.pixels_per_unit();
   s.outside_factor_ = outside_factor;
   s.eye_ = (view.eye - grid.origin) / grid.step;
-  const auto [right, up, back] = view.frame();
-  const Vec3d ahead = -back;
-  const double half_y = view.fov_y_rad / 2;
-  const double half_x = std::atan(std::tan(half_y) * view.width_px / view.height_px);
-  const double limit = std::numbers::pi / 2 - 1e-3;
-  const double x = std::min(half_x * (1 + margin), limit);
-  const double y = std::min(half_y * (1 + margin), limit);
-  s.planes_ = {ahead * std::sin(x) + right * std::cos(x), ahead * std::sin(x) - right * std::cos(x),
-               ahead * std::sin(y) + up * std::cos(y), ahead * std::sin(y) - up * std::cos(y), ahead};
+  s.wide_ = frustum(view, 1 + margin);
+  s.sides_ = frustum(view, 1);
   return s;
 }
 
-bool ErrorScale::outside(Vec3d to_centre, double radius) const {
-  for (const Vec3d& n : planes_)
-    if (dot(n, to_centre) < -radius) return true;
-  return false;
+double ErrorScale::page_factor(const Sphere& bound) const {
+  if (uniform_ || outside_factor_ <= 1) return 1;
+  return outside(wide_, vec_cast<double>(bound.centre) - eye_, bound.radius) ? outside_factor_ : 1;
 }
 
-double ErrorScale::scale(const Sphere& s) const {
-  if (uniform_) return unit_;
-  const Vec3d to_centre = vec_cast<double>(s.centre) - eye_;
-  const double near = length(to_centre) - static_cast<double>(s.radius);
-  if (near <= 0) return 0;
-  const double scale = near * unit_;
-  return outside_factor_ > 1 && outside(to_centre, s.radius) ? scale * outside_factor_ : scale;
+bool ErrorScale::invisible(const Sphere& bound) const {
+  return !uniform_ && outside(sides_, vec_cast<double>(bound.centre) - eye_, bound.radius);
+}
+
+double ErrorScale::near(const Sphere& s) const {
+  return std::max(length(vec_cast<double>(s.centre) - eye_) - static_cast<double>(s.radius), nearest);
+}
+
+ErrorScale ErrorScale::moved(Vec3d by_grid_units) const {
+  ErrorScale s = *this;
+  s.eye_ = s.eye_ + by_grid_units;
+  return s;
 }
 
 }  // namespace cuesta

@@ -16,27 +16,49 @@ namespace cuesta {
 /// margin (error_code.h, contains()).
 class ErrorScale {
  public:
+  /// Nothing nearer than this is drawn, grid units: an eye in a sphere sees it from there.
+  static constexpr double nearest = 0.5;
+
   /// Uniform cuts: sse is the error itself, in world units.
   static ErrorScale uniform(const Grid& grid);
-  /// Perspective view. Spheres wholly outside the view frustum, widened by `margin` times its half-angles,
-  /// count `outside_factor` times less; 1 makes the whole surface count.
+  /// Perspective view. Pages wholly outside the view frustum, widened by `margin` times its half-angles, count
+  /// `outside_factor` times less; 1 makes the whole surface count. (By pages, whose bounds contain those of the
+  /// finer pages that lean on them: so a factor is monotone too, and the test of a substitution needs no planes.)
   static ErrorScale perspective(const Grid& grid, const View& view, double outside_factor = 1,
                                 double margin = 0.15);
 
-  double scale(const Sphere& s) const;
-  /// Screen-space error in pixels (uniform: in world units): 0 for no error, +infinity with the eye in the
-  /// sphere.
-  double sse(float error, const Sphere& s) const {
-    return error == 0 ? 0 : static_cast<double>(error) / scale(s);
+  /// Grid units per pixel (uniform: per world unit) at the sphere, times the factor of its page.
+  double scale(const Sphere& s, double page_factor = 1) const {
+    return uniform_ ? unit_ : near(s) * unit_ * page_factor;
   }
+  /// Screen-space error in pixels (uniform: in world units); 0 for no error.
+  double sse(float error, const Sphere& s, double page_factor = 1) const {
+    return error == 0 ? 0 : static_cast<double>(error) / scale(s, page_factor);
+  }
+  /// For everything in a page with this bound: 1, or outside_factor.
+  double page_factor(const Sphere& bound) const;
+  /// True if the ball is wholly outside the view frustum itself.
+  bool invisible(const Sphere& bound) const;
+
+  bool is_uniform() const { return uniform_; }
+  Vec3d eye() const { return eye_; }  ///< grid units
+  /// Grid units of error per pixel and grid unit of distance; uniform: per world unit.
+  double unit() const { return unit_; }
+  /// Distance of the eye from the sphere, at least `nearest`.
+  double near(const Sphere& s) const;
+
+  /// The same view, seen from elsewhere.
+  ErrorScale moved(Vec3d by_grid_units) const;
+
+  friend bool operator==(const ErrorScale&, const ErrorScale&) = default;
 
  private:
-  bool outside(Vec3d to_centre, double radius) const;
   bool uniform_ = true;
   double unit_ = 1;  // uniform: scale; perspective: 1 / pixels per unit at distance one
   double outside_factor_ = 1;
-  Vec3d eye_;                      // grid units
-  std::array<Vec3d, 5> planes_{};  // inward unit normals of the frustum's sides and the plane through the eye
+  Vec3d eye_{};  // grid units
+  // Inward unit normals of the sides of the frustum, widened and not, and of the plane through the eye.
+  std::array<Vec3d, 5> wide_{}, sides_{};
 };
 
 }  // namespace cuesta

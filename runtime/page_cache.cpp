@@ -1,94 +1,187 @@
 #include "runtime/page_cache.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "ooc/check.h"
 
 namespace cuesta {
 namespace {
 
-/// Estimate of a page's bytes once resident, from its directory entry: pages of scans take 0.6 to 0.9 of it.
-/// Points with thousands of neighbours take more, so enter() is followed by a look at what it really took.
-std::uint64_t expected_bytes(const PageEntry& e, bool texcoords) {
-  return std::uint64_t{e.vertices} * 28 + std::uint64_t{e.triangles} * 24 +
-         std::uint64_t{e.owned_vertices} * (texcoords ? 80 : 72) + std::uint64_t{e.owned_triangles} * 24 +
-         8192;
+/// Bytes of a resident page without its share of the pool, from its directory entry: scans take 0.8 to 0.95 of it.
+/// Points with thousands of neighbours take more, which is seen when they are there.
+std::uint64_t expected_table_bytes(const PageEntry& e) {
+  const std::uint64_t sources = e.round > 0 ? std::uint64_t{e.vertices} * 8 + std::uint64_t{e.triangles} * 4 : 0;
+  return std::uint64_t{e.vertices} * 4 + std::uint64_t{e.triangles} * 4 + sources +
+         std::uint64_t{e.owned_vertices} * 76 + 4096;
 }
 
 }  // namespace
 
-PageCache::PageCache(CuestaFile file, std::uint64_t budget_bytes)
-    : file_(std::move(file)), budget_bytes_(budget_bytes), pool_(directory().has_texcoords) {
-  pages_.resize(directory().pages.size());
-  failed_.assign(pages_.size(), 0);
-  least_room_.assign(pages_.size(), 0);
+PageCache::PageCache(CuestaFile file, std::uint64_t budget_bytes, std::uint32_t load_threads)
+    : file_(std::move(file)),
+      budget_bytes_(budget_bytes),
+      load_threads_(load_threads),
+      pool_(GeometryPool::capacity_for(directory(), budget_bytes), directory().has_texcoords),
+      loader_(make_page_loader(file_, pool_, load_threads)) {
+  const auto& entries = directory().pages;
+  pages_.resize(entries.size());
+  state_.assign(entries.size(), State::absent);
+  for (const PageEntry& e : entries)
+    charge_.push_back(expected_table_bytes(e) +
+                      GeometryPool::page_bytes(e.owned_vertices, e.owned_triangles, directory().has_texcoords));
+  link_finer();
 }
 
-Result<std::unique_ptr<PageCache>> PageCache::open(CuestaFile file, std::uint64_t budget_bytes) {
-  std::unique_ptr<PageCache> cache(new PageCache(std::move(file), budget_bytes));
-  const PageId base = cache->directory().base();
-  if (auto r = cache->enter(base); !r) return fail(r.error());
-  if (cache->resident_bytes_ > budget_bytes)
-    return fail(ErrorCode::out_of_budget, cache->file_.path().string(), "page " + std::to_string(base),
-                "the coarsest page takes " + std::to_string(cache->resident_bytes_) +
-                    " bytes, the budget is " + std::to_string(budget_bytes) + "; give a larger cache");
+void PageCache::link_finer() {
+  const auto& entries = directory().pages;
+  first_finer_.assign(entries.size() + 1, 0);
+  for (const PageEntry& e : entries)
+    for (PageId c : e.coarser) ++first_finer_[c + 1];
+  for (std::size_t i = 0; i < entries.size(); ++i) first_finer_[i + 1] += first_finer_[i];
+  finer_.resize(first_finer_.back());
+  std::vector<std::uint32_t> at(first_finer_.begin(), first_finer_.end() - 1);
+  for (PageId id = 0; id < entries.size(); ++id)
+    for (PageId c : entries[id].coarser) finer_[at[c]++] = id;
+}
+
+Result<std::unique_ptr<PageCache>> PageCache::open(CuestaFile file, std::uint64_t budget_bytes,
+                                                   std::uint32_t load_threads) {
+  const PageId base = file.directory().base();
+  const PageEntry& e = file.directory().pages[base];
+  const std::uint64_t least = expected_table_bytes(e) + GeometryPool::page_bytes(e.owned_vertices, e.owned_triangles,
+                                                                                 file.directory().has_texcoords);
+  const auto too_small = [&](std::uint64_t bytes) {
+    return fail(ErrorCode::out_of_budget, file.path().string(), "page " + std::to_string(base),
+                "the coarsest page takes " + std::to_string(bytes) + " bytes, the budget is " +
+                    std::to_string(budget_bytes) + "; give a larger cache");
+  };
+  if (least > budget_bytes) return too_small(least);
+  std::unique_ptr<PageCache> cache(new PageCache(std::move(file), budget_bytes, load_threads));
+  if (auto r = cache->load_base(); !r) return fail(r.error());
   return cache;
 }
 
-bool PageCache::loadable(PageId id) const {
-  if (pages_[id] || failed_[id]) return false;
-  const auto& coarser = directory().pages[id].coarser;
-  return std::all_of(coarser.begin(), coarser.end(), [this](PageId c) { return pages_[c] != nullptr; });
-}
-
-Result<void> PageCache::enter(PageId id) {
-  auto page = file_.read_page(id);
-  if (!page) return fail(page.error());
-  counters_.bytes_read += directory().pages[id].block.bytes;
-  std::vector<ResidentPage*> coarser;
-  for (PageId c : directory().pages[id].coarser) coarser.push_back(pages_[c].get());
-  auto resident = ResidentPage::create(id, *page, coarser, pool_);
-  if (!resident) {
-    resident.error().file = file_.path().string();
-    return fail(resident.error());
-  }
-  for (ResidentPage* c : coarser) ++c->finer_residents;
-  pages_[id] = std::move(*resident);
-  resident_bytes_ += pages_[id]->bytes();
-  resident_ids_.insert(std::lower_bound(resident_ids_.begin(), resident_ids_.end(), id), id);
-  ++counters_.loads;
+Result<void> PageCache::load_base() {
+  const PageId base = directory().base();
+  if (!make_room(base, 0))
+    return fail(ErrorCode::out_of_budget, file_.path().string(), "page " + std::to_string(base),
+                "the coarsest page does not fit the cache; give a larger one");
+  send(base);
+  loader_->wait();
+  constexpr auto all = std::numeric_limits<std::uint64_t>::max();
+  if (take_in(0, all) != 1) return fail(errors_.front());
+  pages_[base]->activate_survivors();
   return {};
 }
 
-Result<bool> PageCache::load(PageId id, std::uint64_t frame) {
-  CUESTA_CHECK(loadable(id), id);
-  const PageEntry& entry = directory().pages[id];
-  for (PageId c : entry.coarser)
-    want(c, frame);  // whatever the file says of them: not evicted for their finer page
-  if (!make_room(std::max(expected_bytes(entry, directory().has_texcoords), least_room_[id]), frame)) {
+bool PageCache::requestable(PageId id) const {
+  if (state_[id] != State::absent) return false;
+  const auto& coarser = directory().pages[id].coarser;
+  return std::all_of(coarser.begin(), coarser.end(),
+                     [this](PageId c) { return state_[c] == State::resident; });
+}
+
+bool PageCache::request(PageId id, std::uint64_t keep_since, bool prefetch) {
+  CUESTA_CHECK(requestable(id), id);
+  lean(id, true);  // whatever the file says of them: they are not evicted for their finer page
+  if (!make_room(id, keep_since)) {
+    lean(id, false);
     ++counters_.refused_for_budget;
     return false;
   }
-  if (auto r = enter(id); !r) {
-    failed_[id] = 1;
-    ++counters_.failed;
-    errors_.push_back(r.error());
-    return fail(r.error());
-  }
-  pages_[id]->last_wanted = frame;
-  if (make_room(0, frame)) return true;
-  least_room_[id] = pages_[id]->bytes();
-  evict(id);
-  ++counters_.refused_for_budget;
-  return false;
+  lean(id, false);
+  counters_.prefetched += prefetch;
+  send(id);
+  return true;
 }
 
-bool PageCache::make_room(std::uint64_t bytes, std::uint64_t frame) {
-  while (resident_bytes_ + bytes > budget_bytes_) {
+void PageCache::lean(PageId id, bool on) {
+  for (PageId c : directory().pages[id].coarser) on ? ++pages_[c]->finer_residents : --pages_[c]->finer_residents;
+}
+
+void PageCache::send(PageId id) {
+  const PageEntry& e = directory().pages[id];
+  lean(id, true);
+  state_[id] = State::on_its_way;
+  ++on_their_way_;
+  resident_bytes_ += charge_[id];
+  PageRequest request;
+  request.id = id;
+  request.run = pool_.add(e.owned_vertices, e.owned_triangles);
+  request.blocks = pool_.run(request.run);
+  for (PageId c : e.coarser) request.coarser.push_back(pages_[c].get());
+  loader_->request(std::move(request));
+}
+
+std::uint32_t PageCache::take_in(std::uint64_t frame, std::uint64_t upload_bytes) {
+  while (auto loaded = loader_->finished()) decoded(std::move(*loaded));
+  std::uint32_t taken = 0;
+  const std::uint64_t end = upload_bytes > std::numeric_limits<std::uint64_t>::max() - pool_.upload_bytes()
+                                ? upload_bytes
+                                : pool_.upload_bytes() + upload_bytes;
+  while (!arriving_.empty()) {
+    if (!pool_.upload_vertices(arriving_.front()->run(), end - pool_.upload_bytes())) break;
+    std::unique_ptr<ResidentPage> page = std::move(arriving_.front());
+    arriving_.pop_front();
+    const PageId id = page->id();
+    page->last_wanted = frame;
+    pages_[id] = std::move(page);
+    state_[id] = State::resident;
+    --on_their_way_;
+    resident_ids_.insert(std::lower_bound(resident_ids_.begin(), resident_ids_.end(), id), id);
+    ++taken;
+  }
+  return taken;
+}
+
+/// @return false if it is not there after all.
+bool PageCache::decoded(LoadedPage loaded) {
+  const PageId id = loaded.id;
+  const PageEntry& e = directory().pages[id];
+  counters_.bytes_read += e.block.bytes;
+  if (!loaded.page) {
+    let_go(id, loaded.run, State::failed);
+    ++counters_.failed;
+    errors_.push_back(loaded.page.error());
+    return false;
+  }
+  const std::uint64_t real = (*loaded.page)->bytes() +
+                             GeometryPool::page_bytes(e.owned_vertices, e.owned_triangles, pool_.has_texcoords());
+  if (real > charge_[id]) {
+    const std::uint64_t more = real - charge_[id];
+    if (resident_bytes_ + more > budget_bytes_) {
+      let_go(id, loaded.run, State::absent);
+      charge_[id] = real;
+      ++counters_.refused_for_budget;
+      if (id != directory().base()) return false;
+      errors_.push_back({ErrorCode::out_of_budget, file_.path().string(), "page " + std::to_string(id),
+                         "the coarsest page takes " + std::to_string(real) + " bytes; give a larger cache"});
+      return false;
+    }
+    charge_[id] = real;
+    resident_bytes_ += more;
+  }
+  ++counters_.loads;
+  arriving_.push_back(std::move(*loaded.page));
+  return true;
+}
+
+void PageCache::let_go(PageId id, GeometryPool::RunId run, State state) {
+  lean(id, false);
+  pool_.remove(run);
+  resident_bytes_ -= charge_[id];
+  state_[id] = state;
+  --on_their_way_;
+}
+
+bool PageCache::make_room(PageId id, std::uint64_t keep_since) {
+  const PageEntry& e = directory().pages[id];
+  while (resident_bytes_ + charge_[id] > budget_bytes_ || !pool_.fits(e.owned_vertices, e.owned_triangles)) {
     const ResidentPage* oldest = nullptr;
-    for (PageId id : resident_ids_) {
-      const ResidentPage& p = *pages_[id];
-      if (id == directory().base() || p.finer_residents > 0 || !p.fully_coarse() || p.last_wanted >= frame)
+    for (PageId r : resident_ids_) {
+      const ResidentPage& p = *pages_[r];
+      if (r == directory().base() || p.finer_residents > 0 || !p.fully_coarse() || p.last_wanted >= keep_since)
         continue;
       if (!oldest || p.last_wanted < oldest->last_wanted) oldest = &p;
     }
@@ -99,9 +192,11 @@ bool PageCache::make_room(std::uint64_t bytes, std::uint64_t frame) {
 }
 
 void PageCache::evict(PageId id) {
-  for (PageId c : directory().pages[id].coarser) --pages_[c]->finer_residents;
-  resident_bytes_ -= pages_[id]->bytes();
+  lean(id, false);
+  pool_.remove(pages_[id]->run());
+  resident_bytes_ -= charge_[id];
   pages_[id].reset();
+  state_[id] = State::absent;
   resident_ids_.erase(std::lower_bound(resident_ids_.begin(), resident_ids_.end(), id));
   ++counters_.evictions;
 }

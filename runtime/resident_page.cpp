@@ -1,269 +1,12 @@
 #include "runtime/resident_page.h"
 
 #include <algorithm>
-#include <limits>
-#include <string>
 
 #include "ooc/check.h"
 
 namespace cuesta {
-namespace {
 
-constexpr std::uint32_t no_entry = std::numeric_limits<std::uint32_t>::max();
-
-/// A script changes each triangle a few times: 3 entries per triangle are usual. Beyond this it is an attack:
-/// a chain of substitutions that carries a whole page along takes the square of the page.
-constexpr std::size_t largest_entries(std::size_t triangles) {
-  return std::max(std::size_t{1} << 24, triangles * 64);
-}
-
-tl::unexpected<Error> misfit(PageId id, std::string what) {
-  return fail(ErrorCode::corrupt, "", "page " + std::to_string(id), std::move(what));
-}
-
-std::int16_t widen_normal(std::int16_t n) {
-  constexpr int none = -(1 << (normal_bits - 1));
-  return n == none ? std::int16_t{-32768}
-                   : static_cast<std::int16_t>(n * 32767 / ((1 << (normal_bits - 1)) - 1));
-}
-
-std::uint32_t lowest_corner(const std::array<std::uint32_t, 3>& t) {
-  return t[0] < t[1] && t[0] < t[2] ? 0u : t[1] < t[2] ? 1u : 2u;
-}
-
-}  // namespace
-
-/// Builds a ResidentPage: replay on local numbers, then slots and handles.
-class PageReplay {
- public:
-  PageReplay(ResidentPage& out, const Page& page) : out_(out), page_(page) {}
-
-  Result<void> run(std::span<ResidentPage* const> coarser) {
-    link_corners();
-    if (!replay()) return misfit(out_.id_, "the script does not fit the page's triangles");
-    enter_vertices();
-    if (!resolve_vertices(coarser))
-      return misfit(out_.id_, "a surviving vertex is in none of the coarser pages");
-    enter_triangles();
-    if (!resolve_triangles(coarser))
-      return misfit(out_.id_, "surviving triangles do not match the coarser pages");
-    finish_entries();
-    finish_fans();
-    return {};
-  }
-
- private:
-  /// Corner t·3 + c is in the list of its current vertex; lists are joined in O(1) when a vertex is
-  /// substituted.
-  void link_corners() {
-    const std::size_t n = page_.triangles.size();
-    corners_.reserve(n);
-    head_.assign(page_.vertex_count, no_entry);
-    tail_.assign(page_.vertex_count, no_entry);
-    next_.assign(n * 3, no_entry);
-    alive_.assign(n, 1);
-    for (std::uint32_t t = 0; t < n; ++t) {
-      corners_.push_back(page_.triangles[t]);
-      for (std::uint32_t c = 0; c < 3; ++c) append(page_.triangles[t][c], t * 3 + c);
-    }
-  }
-
-  void append(std::uint32_t v, std::uint32_t corner) {
-    if (head_[v] == no_entry)
-      head_[v] = corner;
-    else
-      next_[tail_[v]] = corner;
-    tail_[v] = corner;
-  }
-
-  bool replay() {
-    const Script& script = page_.script;
-    out_.children_.reserve(script.children.size() + 1);
-    out_.entries_.reserve(script.children.size() * 7);
-    for (const Child& c : script.children)
-      if (!substitute(c)) return false;
-    out_.children_.push_back({0, 0, static_cast<std::uint32_t>(out_.entries_.size()), 0, 0, false});
-    return true;
-  }
-
-  /// Entries hold local corner numbers until handles are known: removed ones the triangle, modified ones t·3
-  /// + c.
-  bool substitute(const Child& child) {
-    ChildState state{child.vertex, child.target, static_cast<std::uint32_t>(out_.entries_.size()), 0,
-                     child.error,  child.joined};
-    modified_.clear();
-    std::uint32_t removed = 0;
-    for (std::uint32_t corner = head_[child.vertex]; corner != no_entry;) {
-      const std::uint32_t t = corner / 3;
-      const std::uint32_t following = next_[corner];
-      if (alive_[t]) {
-        auto& c = corners_[t];
-        if (c[0] == child.target || c[1] == child.target || c[2] == child.target) {
-          alive_[t] = 0;
-          out_.entries_.push_back(t);
-          ++removed;
-        } else {
-          modified_.push_back(corner);
-          c[corner % 3] = child.target;
-          append_joined(child.target, corner);
-        }
-      }
-      corner = following;
-    }
-    head_[child.vertex] = no_entry;
-    if (removed > std::numeric_limits<std::uint16_t>::max()) return false;
-    if (out_.entries_.size() + modified_.size() > largest_entries(page_.triangles.size())) return false;
-    state.removed = static_cast<std::uint16_t>(removed);
-    out_.entries_.insert(out_.entries_.end(), modified_.begin(), modified_.end());
-    out_.children_.push_back(state);
-    return true;
-  }
-
-  void append_joined(std::uint32_t v, std::uint32_t corner) {
-    next_[corner] = no_entry;
-    append(v, corner);
-  }
-
-  void enter_vertices() {
-    owned_ = owned_vertices(page_);
-    const auto count = static_cast<std::uint32_t>(page_.owned.positions.size());
-    std::uint32_t owned_triangles = 0;
-    for (std::uint8_t a : alive_) owned_triangles += page_.base || !a;
-    out_.run_ = out_.pool_.add(count, owned_triangles);
-    auto slots = out_.pool_.vertices(out_.run_);
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const Vec3i p = page_.owned.positions[i];
-      DrawVertex& v = slots[i];
-      v = {p.x, p.y, p.z, -32768, -32768, {255, 255, 255, 255}};
-      if (!page_.owned.normals.empty()) {
-        v.normal_u = widen_normal(page_.owned.normals[i][0]);
-        v.normal_v = widen_normal(page_.owned.normals[i][1]);
-      }
-      if (!page_.owned.colours.empty()) v.colour = page_.owned.colours[i];
-    }
-    auto texcoords = out_.pool_.texcoords(out_.run_);
-    for (std::size_t i = 0; i < std::min(texcoords.size(), page_.owned.texcoords.size()); ++i)
-      for (std::size_t k = 0; k < 2; ++k)
-        texcoords[i][k] = static_cast<float>(page_.owned.texcoords[i][k]) / 65536.0f;
-    out_.vertex_slot_.assign(page_.vertex_count, no_entry);
-    std::uint32_t slot = out_.pool_.run(out_.run_).first_vertex;
-    for (std::uint32_t v = 0; v < page_.vertex_count; ++v)
-      if (owned_[v]) out_.vertex_slot_[v] = slot++;
-  }
-
-  const ResidentPage::SourceTable* table_in(const ResidentPage& coarser) const {
-    for (const auto& s : coarser.sources_)
-      if (s.page == out_.id_) return &s;
-    return nullptr;
-  }
-
-  bool resolve_vertices(std::span<ResidentPage* const> coarser) {
-    std::vector<std::uint32_t> survivors;
-    for (std::uint32_t v = 0; v < page_.vertex_count; ++v)
-      if (!owned_[v]) survivors.push_back(v);
-    for (const ResidentPage* q : coarser) {
-      const auto* table = table_in(*q);
-      if (!table) return false;
-      for (std::size_t i = 0; i < table->vertices.size(); ++i) {
-        if (table->vertices[i] >= survivors.size()) return false;
-        out_.vertex_slot_[survivors[table->vertices[i]]] = q->vertex_slot_[table->local_vertices[i]];
-      }
-    }
-    return std::find(out_.vertex_slot_.begin(), out_.vertex_slot_.end(), no_entry) == out_.vertex_slot_.end();
-  }
-
-  /// Owned triangles get handles in local order and the corners they had last.
-  void enter_triangles() {
-    out_.triangle_ref_.assign(corners_.size(), no_entry);
-    TriangleHandle handle = out_.pool_.run(out_.run_).first_triangle;
-    for (std::uint32_t t = 0; t < corners_.size(); ++t) {
-      if (!page_.base && alive_[t]) continue;
-      out_.triangle_ref_[t] = handle * 4;
-      for (std::uint32_t c = 0; c < 3; ++c)
-        out_.pool_.set_corner(handle, c, out_.vertex_slot_[corners_[t][c]]);
-      ++handle;
-    }
-    if (!page_.base) return;
-    for (std::uint32_t t = 0; t < corners_.size(); ++t)
-      if (alive_[t]) out_.pool_.activate(out_.triangle_ref_[t] / 4);
-  }
-
-  /// A survivor is a triangle of a coarser page; both name it lowest vertex first, so the turn between their
-  /// corner numbers is where the lowest vertex is now.
-  bool resolve_triangles(std::span<ResidentPage* const> coarser) {
-    std::vector<std::uint32_t> survivors;
-    for (std::uint32_t t = 0; t < corners_.size(); ++t)
-      if (!page_.base && alive_[t]) survivors.push_back(t);
-    std::size_t resolved = 0;
-    for (const ResidentPage* q : coarser) {
-      const auto* table = table_in(*q);
-      for (std::size_t i = 0; i < table->triangles.size(); ++i, ++resolved) {
-        const std::size_t local = table->first_triangle + i;
-        if (table->triangles[i] >= survivors.size() || local >= q->triangle_ref_.size()) return false;
-        const std::uint32_t t = survivors[table->triangles[i]];
-        const std::uint32_t ref = q->triangle_ref_[local];
-        const std::uint32_t turn = (ref % 4 + 3 - lowest_corner(corners_[t])) % 3;
-        out_.triangle_ref_[t] = ref / 4 * 4 + turn;
-      }
-    }
-    return resolved == survivors.size() && std::find(out_.triangle_ref_.begin(), out_.triangle_ref_.end(),
-                                                     no_entry) == out_.triangle_ref_.end();
-  }
-
-  void finish_entries() {
-    for (std::size_t k = 0; k + 1 < out_.children_.size(); ++k) {
-      ChildState& c = out_.children_[k];
-      c.from_slot = out_.vertex_slot_[c.from_slot];
-      c.to_slot = out_.vertex_slot_[c.to_slot];
-      const std::uint32_t first_modified = c.first_entry + c.removed;
-      for (std::uint32_t e = c.first_entry; e < out_.children_[k + 1].first_entry; ++e) {
-        std::uint32_t& entry = out_.entries_[e];
-        if (e < first_modified) {
-          entry = out_.triangle_ref_[entry] / 4;
-        } else {
-          const std::uint32_t ref = out_.triangle_ref_[entry / 3];
-          entry = ref / 4 * 4 + (entry % 3 + ref % 4) % 3;
-        }
-      }
-    }
-  }
-
-  void finish_fans() {
-    for (const Fan& fan : page_.script.fans) {
-      const auto n = static_cast<std::uint16_t>(fan.child_count);
-      out_.fans_.push_back({fan.first_child, n, n});
-      const DrawVertex& v = out_.pool_.vertex(out_.vertex_slot_[fan.centre]);
-      out_.spheres_.push_back(decode_sphere(fan.sphere, {v.x, v.y, v.z}));
-    }
-    out_.applied_ = out_.child_count();
-    for (const PageSource& s : page_.sources)
-      out_.sources_.push_back({s.page, s.first_triangle, s.triangles, s.vertices, s.local_vertices});
-  }
-
-  ResidentPage& out_;
-  const Page& page_;
-  std::vector<std::array<std::uint32_t, 3>> corners_;
-  std::vector<std::uint32_t> head_, tail_, next_, modified_;
-  std::vector<std::uint8_t> alive_, owned_;
-};
-
-Result<std::unique_ptr<ResidentPage>> ResidentPage::create(PageId id, const Page& page,
-                                                           std::span<ResidentPage* const> coarser,
-                                                           GeometryPool& pool) {
-  for (const Fan& fan : page.script.fans)
-    if (fan.child_count > std::numeric_limits<std::uint16_t>::max()) return misfit(id, "a fan is too large");
-  std::unique_ptr<ResidentPage> out(new ResidentPage(pool));
-  out->id_ = id;
-  if (auto r = PageReplay(*out, page).run(coarser); !r) return fail(r.error());
-  return out;
-}
-
-ResidentPage::~ResidentPage() {
-  if (run_ != GeometryPool::no_run) pool_.remove(run_);
-}
-
-void ResidentPage::apply_next(std::size_t fan) {
-  FanState& f = fans_[fan];
+void ResidentPage::apply_next(FanState& f) {
   CUESTA_CHECK(f.applied < f.child_count);
   do {
     const std::uint32_t k = f.first_child + f.applied;
@@ -277,8 +20,7 @@ void ResidentPage::apply_next(std::size_t fan) {
   } while (f.applied < f.child_count && children_[f.first_child + f.applied].joined);
 }
 
-void ResidentPage::undo_last(std::size_t fan) {
-  FanState& f = fans_[fan];
+void ResidentPage::undo_last(FanState& f) {
   CUESTA_CHECK(f.applied > 0);
   bool joined = true;
   while (joined) {
@@ -294,24 +36,74 @@ void ResidentPage::undo_last(std::size_t fan) {
   }
 }
 
-std::uint32_t ResidentPage::undo_gain(std::size_t fan) const {
+void ResidentPage::move_fan(std::size_t fan, std::uint16_t goal) {
+  FanState& f = fans_[fan];
+  while (f.applied < goal) apply_next(f);
+  while (f.applied > goal) undo_last(f);
+  update_band(fan);
+}
+
+std::uint32_t ResidentPage::undo_gain(std::size_t fan, std::uint16_t goal) const {
   const FanState& f = fans_[fan];
   std::uint32_t gain = 0;
-  for (std::uint32_t k = f.first_child + f.applied; k-- > f.first_child;) {
-    gain += children_[k].removed;
-    if (!children_[k].joined) break;
-  }
+  for (std::uint32_t i = goal; i < f.applied; ++i) gain += children_[f.first_child + i].removed;
   return gain;
+}
+
+std::uint32_t ResidentPage::entries_between(std::size_t fan, std::uint16_t goal) const {
+  const FanState& f = fans_[fan];
+  const std::uint32_t a = children_[f.first_child + f.applied].first_entry;
+  const std::uint32_t b = children_[f.first_child + goal].first_entry;
+  return a < b ? b - a : a - b;
+}
+
+std::uint16_t ResidentPage::one_undone(std::size_t fan) const {
+  const FanState& f = fans_[fan];
+  std::uint16_t goal = f.applied;
+  do --goal;
+  while (goal > 0 && children_[f.first_child + goal].joined);
+  return goal;
+}
+
+void ResidentPage::activate_survivors() {
+  for (const TriangleHandle t : survivors_) pool_.activate(t);
+  survivors_ = {};
+}
+
+bool ResidentPage::set_path(FanPath path) {
+  if (path == path_) return false;
+  path_ = path;
+  for (std::size_t f = 0; f < fans_.size(); ++f) update_band(f);
+  return true;
+}
+
+void ResidentPage::update_band(std::size_t fan) {
+  const FanState& f = fans_[fan];
+  const auto error = [&](std::uint32_t i) { return decode_error(children_[f.first_child + i].error); };
+  FanBand band;
+  if (f.applied > 0) band.undo_below = error(f.applied - 1u);
+  if (f.applied < f.child_count)
+    band.apply_from = error(path_ == FanPath::fine ? f.applied : f.child_count - 1u);
+  nodes_.set_band(static_cast<std::uint32_t>(fan), band);
+}
+
+void ResidentPage::tag_changes(std::size_t fan, std::uint16_t from, std::uint8_t kind) {
+  const FanState& f = fans_[fan];
+  const std::uint32_t first = f.first_child + std::min(f.applied, from);
+  const std::uint32_t last = f.first_child + std::max(f.applied, from);
+  for (std::uint32_t k = first; k < last; ++k) {
+    const ChildState& c = children_[k];
+    for (std::uint32_t e = c.first_entry; e < children_[k + 1].first_entry; ++e)
+      pool_.tag(e < c.first_entry + c.removed ? entries_[e] : entries_[e] / 4, kind);
+  }
 }
 
 std::uint64_t ResidentPage::bytes() const {
   std::uint64_t b = vertex_slot_.size() * 4 + triangle_ref_.size() * 4 + fans_.size() * sizeof(FanState) +
                     spheres_.size() * sizeof(Sphere) + children_.size() * sizeof(ChildState) +
-                    entries_.size() * 4;
+                    entries_.size() * 4 + nodes_.bytes();
   for (const auto& s : sources_) b += (s.triangles.size() + s.vertices.size() + s.local_vertices.size()) * 4;
-  const auto& run = pool_.run(run_);
-  return b + run.vertices * sizeof(DrawVertex) + pool_.texcoords(run_).size_bytes() +
-         std::uint64_t{run.triangles} * 20;
+  return b;
 }
 
 }  // namespace cuesta

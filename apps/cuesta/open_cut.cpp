@@ -85,6 +85,8 @@ const char* name(Binding binding) {
       return "page loads";
     case Binding::resident_bytes:
       return "resident bytes";
+    case Binding::upload_bytes:
+      return "upload bytes";
   }
   return "nothing";
 }

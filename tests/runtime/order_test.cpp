@@ -110,7 +110,7 @@ TEST_P(Order, budget_below_the_coarsest_cut) {
   EXPECT_TRUE(legal());
 }
 
-/// An eye on the surface is inside many spheres: all have infinite sse, and what fits of them is still drawn.
+/// An eye on the surface is inside many spheres: the worst errors of them are the first to be drawn.
 TEST_P(Order, budget_for_half_of_what_the_eye_is_in) {
   const Directory& d = cut_->directory();
   const std::uint64_t coarsest = cut_->settle(ErrorScale::uniform(d.grid), 1e30, {}).triangles;
@@ -124,7 +124,7 @@ TEST_P(Order, budget_for_half_of_what_the_eye_is_in) {
     const ResidentPage& page = *cut_->cache().resident(id);
     for (std::size_t f = 0; f < page.fans().size(); ++f)
       for (const ChildState& c : page.children(page.fans()[f]))
-        if (scale.sse(decode_error(c.error), page.sphere(f)) > 1e30) within += c.removed;
+        if (c.error > 0 && scale.near(page.sphere(f)) == ErrorScale::nearest) within += c.removed;
   }
   Budgets budgets;
   budgets.triangles = coarsest + within / 2;

@@ -1,0 +1,50 @@
+#include "runtime/operation_order.h"
+
+#include <algorithm>
+#include <bit>
+#include <tuple>
+
+namespace cuesta {
+namespace {
+
+// Sixteen bins of sse to the octave: the upper bits of a positive float.
+constexpr std::uint32_t bin_shift = 19;
+constexpr std::size_t bins = (0x7F800000u >> bin_shift) + 1;
+
+bool before(const Operation& a, const Operation& b) {
+  return std::tie(a.sse, a.page, a.fan) < std::tie(b.sse, b.page, b.fan);
+}
+
+}  // namespace
+
+void OperationOrder::bin() {
+  const auto bin_of = [this](const Operation& op) {
+    const std::size_t bin = std::bit_cast<std::uint32_t>(static_cast<float>(op.sse)) >> bin_shift;
+    return direction_ == Direction::rising ? bin : bins - 1 - bin;
+  };
+  bin_end_.assign(bins + 1, 0);
+  for (const Operation& op : operations_) ++bin_end_[bin_of(op) + 1];
+  for (std::size_t b = 0; b < bins; ++b) bin_end_[b + 1] += bin_end_[b];
+  scratch_.resize(operations_.size());
+  for (const Operation& op : operations_) scratch_[bin_end_[bin_of(op)]++] = op;
+  operations_.swap(scratch_);  // bin_end_[b] is now the end of bin b
+  bin_ = 0;
+  ready_ = true;
+}
+
+const Operation* OperationOrder::next() {
+  if (!ready_) bin();
+  while (next_ == sorted_) {
+    if (next_ == operations_.size()) return nullptr;
+    const auto first = operations_.begin() + static_cast<std::ptrdiff_t>(sorted_);
+    sorted_ = bin_end_[bin_++];
+    const auto last = operations_.begin() + static_cast<std::ptrdiff_t>(sorted_);
+    if (direction_ == Direction::rising)
+      std::sort(first, last, before);
+    else
+      std::sort(first, last, [](const Operation& a, const Operation& b) { return before(b, a); });
+  }
+  return &operations_[next_++];
+}
+
+}  // namespace cuesta
