@@ -13,6 +13,7 @@
 #include "hierarchy/input_chunk.h"
 #include "hierarchy/round_journal.h"
 #include "ooc/check.h"
+#include "ooc/fingerprint.h"
 #include "ooc/ordered_tasks.h"
 
 namespace cuesta {
@@ -40,7 +41,7 @@ std::string extent_problem(const Box3<std::int32_t>& box) {
 /// A page of the round before, as the next round knows it.
 struct SurvivingPage {
   PageId page = 0;
-  std::uint64_t offset = 0, bytes = 0;
+  std::uint64_t offset = 0, bytes = 0, checksum = 0;
   std::uint32_t triangles = 0;
   Box3<float> box;
   std::vector<Vec3f> centres;
@@ -252,6 +253,10 @@ class HierarchyBuilder {
         const SurvivingPage& page = state.pages[i];
         std::vector<std::byte> bytes(page.bytes);
         if (auto r = state.file->read_at(page.offset, bytes); !r) return fail(r.error());
+        if (checksum(bytes) != page.checksum)
+          return fail(ErrorCode::corrupt, survivors_path(state.round).string(),
+                      "byte " + std::to_string(page.offset),
+                      "survivors do not match their checksum; run the same command again to start over");
         auto survivors = decode_survivors(bytes);
         if (!survivors) return fail(survivors.error());
         collector.add(page.page, std::move(*survivors));
@@ -279,7 +284,7 @@ class HierarchyBuilder {
       if (!ref) return fail(ref.error());
       cell.facts.entry.block = *ref;
       if (auto r = next.file->write_at(end, cell.survivors); !r) return r;
-      record.cells.push_back({std::move(cell.facts), end, cell.survivors.size()});
+      record.cells.push_back({std::move(cell.facts), end, cell.survivors.size(), checksum(cell.survivors)});
       end += cell.survivors.size();
       cell = {};
     }
@@ -312,8 +317,8 @@ class HierarchyBuilder {
       report_.substitutions += facts.substitutions;
       for (std::size_t s = 0; s < page_stream_count; ++s) report_.stream_bytes[s] += facts.stream_bytes[s];
       next.triangles += facts.survivor_triangles;
-      next.pages.push_back({page, cell.survivors_offset, cell.survivors_bytes, facts.survivor_triangles,
-                            facts.survivor_box, facts.centres});
+      next.pages.push_back({page, cell.survivors_offset, cell.survivors_bytes, cell.survivors_checksum,
+                            facts.survivor_triangles, facts.survivor_box, facts.centres});
     }
   }
 

@@ -20,6 +20,7 @@ std::vector<std::byte> encode_record(const ChunkRoundRecord& record) {
     put_array(w, cell.facts.centres);
     w.put(cell.survivors_offset);
     w.put(cell.survivors_bytes);
+    w.put(cell.survivors_checksum);
   }
   return w.take();
 }
@@ -42,6 +43,7 @@ Result<ChunkRoundRecord> decode_record(std::span<const std::byte> bytes) {
     good = good && get_array(r, cell.facts.centres);
     cell.survivors_offset = r.get<std::uint64_t>();
     cell.survivors_bytes = r.get<std::uint64_t>();
+    cell.survivors_checksum = r.get<std::uint64_t>();
   }
   if (!good || !r.at_end())
     return fail(ErrorCode::corrupt, "", "",

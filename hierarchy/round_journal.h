@@ -14,7 +14,7 @@ namespace cuesta {
 /// A finished cell: what its task gave, and where its survivors lie in the round's file.
 struct CellRecord {
   CellFacts facts;
-  std::uint64_t survivors_offset = 0, survivors_bytes = 0;
+  std::uint64_t survivors_offset = 0, survivors_bytes = 0, survivors_checksum = 0;
 };
 
 struct ChunkRoundRecord {

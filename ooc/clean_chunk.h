@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "ooc/clean_report.h"
@@ -24,7 +25,9 @@ struct CornerReply {
   std::uint32_t vertex = 0;  ///< number in the chunk that replies
   std::uint32_t wedge = 0;   ///< place in its wedge group
   OctNormal normal{};        ///< as that chunk has it; of no meaning without normals
+  std::uint32_t zero = 0;    ///< in place of padding, as it is written byte by byte
 };
+static_assert(std::has_unique_object_representations_v<CornerReply>);
 
 /// Replies of a chunk to another, ascending by slot.
 struct ChunkReplies {

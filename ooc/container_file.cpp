@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <xxhash.h>
 
 #include <algorithm>
 #include <array>
@@ -11,16 +10,13 @@
 #include <cstring>
 
 #include "ooc/byte_stream.h"
+#include "ooc/fingerprint.h"
 
 namespace cuesta {
 namespace {
 
 constexpr std::array<char, 8> magic{'C', 'U', 'E', 'S', 'T', 'A', '\r', '\n'};
 constexpr std::size_t header_bytes = 64;
-
-std::uint64_t checksum(std::span<const std::byte> bytes) {
-  return XXH3_64bits(bytes.data(), bytes.size());
-}
 
 std::vector<std::byte> make_header(const BlockRef& directory, std::uint64_t file_bytes) {
   ByteWriter w;

@@ -78,6 +78,10 @@ Result<void> Fingerprint::add_file(const std::filesystem::path& path, const Fing
   return {};
 }
 
+std::uint64_t checksum(std::span<const std::byte> bytes) {
+  return XXH3_64bits(bytes.data(), bytes.size());
+}
+
 std::string Fingerprint::hex() const {
   const XXH128_hash_t hash = XXH3_128bits_digest(state_->hash);
   return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);

@@ -2,6 +2,7 @@
 /// Tells whether things are the same as last time: XXH3-128 over texts and the bytes of files. Not
 /// cryptographic.
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -16,6 +17,9 @@ namespace cuesta {
 
 /// Bytes of the file hashed so far; returning false cancels.
 using FingerprintProgress = std::function<bool(std::uint64_t bytes_done)>;
+
+/// XXH3, 64 bits: tells of bytes that damage has changed.
+std::uint64_t checksum(std::span<const std::byte> bytes);
 
 /// A sequence of items; each is followed by its length, so that ("ab", "c") and ("a", "bc") differ.
 class Fingerprint {

@@ -8,6 +8,7 @@
 #include "ooc/byte_arrays.h"
 #include "ooc/check.h"
 #include "ooc/distribute.h"
+#include "ooc/fingerprint.h"
 #include "ooc/ordered_tasks.h"
 #include "ooc/space_tree.h"
 #include "ooc/survey.h"
@@ -27,7 +28,7 @@ struct ReadState {
 
 tl::unexpected<Error> damaged_journal() {
   return fail(ErrorCode::corrupt, "", "",
-              "the journal of the build is damaged; start over with --resume=never");
+              "the journal of the build is damaged; run the same command again to start over");
 }
 
 std::vector<std::byte> encode(const RawSurface& raw, const ReadState& state) {
@@ -62,13 +63,14 @@ Result<ReadState> decode_read(std::span<const std::byte> bytes, std::size_t& fil
 
 /// A chunk's task as the journal knows it.
 struct ChunkRecord {
-  std::uint64_t offset = 0, bytes = 0;
+  std::uint64_t offset = 0, bytes = 0, checksum = 0;
   std::uint64_t triangles = 0, vertices = 0, vertices_used = 0;
   Box3<std::int32_t> box;
   CleanReport report;
 };
 struct LetterRecord {
   std::uint32_t to = 0, corners = 0;
+  std::uint64_t checksum = 0;
 };
 
 }  // namespace
@@ -214,6 +216,7 @@ class Ingest {
     record.offset = end_;
     const auto chunk_bytes = encode_chunk(cleaned.chunk);
     record.bytes = chunk_bytes.size();
+    record.checksum = checksum(chunk_bytes);
     record.triangles = cleaned.chunk.triangles.size();
     record.vertices = cleaned.chunk.vertices.size();
     record.vertices_used = cleaned.vertices_used;
@@ -222,8 +225,9 @@ class Ingest {
     ByteWriter letters;
     std::vector<LetterRecord> letter_records;
     for (const ChunkReplies& r : cleaned.replies) {
-      letters.put_bytes(std::as_bytes(std::span(r.corners)));
-      letter_records.push_back({r.chunk, static_cast<std::uint32_t>(r.corners.size())});
+      const auto letter = std::as_bytes(std::span(r.corners));
+      letters.put_bytes(letter);
+      letter_records.push_back({r.chunk, static_cast<std::uint32_t>(r.corners.size()), checksum(letter)});
     }
     if (auto r = out_.file_->write_at(end_, chunk_bytes); !r) return r;
     if (auto r = out_.file_->write_at(end_ + record.bytes, letters.bytes()); !r) return r;
@@ -241,7 +245,7 @@ class Ingest {
     const auto record = r.get<ChunkRecord>();
     std::vector<LetterRecord> letters;
     if (!get_array(r, letters) || !r.at_end()) return false;
-    out_.chunks_[c].part = {record.offset, record.bytes};
+    out_.chunks_[c].part = {record.offset, record.bytes, record.checksum};
     out_.chunks_[c].triangles = record.triangles;
     out_.triangles += record.triangles;
     out_.vertices += record.vertices;
@@ -252,7 +256,7 @@ class Ingest {
     for (const LetterRecord& l : letters) {
       if (l.to >= out_.chunks_.size()) return false;
       const std::uint64_t size = l.corners * sizeof(CornerReply);
-      out_.chunks_[l.to].letters.push_back({c, {end_, size}});
+      out_.chunks_[l.to].letters.push_back({c, {end_, size, l.checksum}});
       end_ += size;
     }
     return true;
@@ -290,10 +294,17 @@ class Ingest {
   InputSurface out_;
 };
 
+Result<void> InputSurface::read(const Part& part, std::span<std::byte> bytes) const {
+  if (auto r = file_->read_at(part.offset, bytes); !r) return r;
+  if (checksum(bytes) == part.checksum) return {};
+  return fail(ErrorCode::corrupt, file_->path().string(), "byte " + std::to_string(part.offset),
+              "a part of the surface does not match its checksum; run the same command again to start over");
+}
+
 Result<CleanChunk> InputSurface::chunk(std::uint32_t c) const {
   const Part& part = chunks_[c].part;
   std::vector<std::byte> bytes(part.bytes);
-  if (auto r = file_->read_at(part.offset, bytes); !r) return fail(r.error());
+  if (auto r = read(part, bytes); !r) return fail(r.error());
   return decode_chunk(bytes);
 }
 
@@ -303,7 +314,7 @@ Result<std::vector<ChunkReplies>> InputSurface::replies_to(std::uint32_t c) cons
     ChunkReplies& replies = out.emplace_back();
     replies.chunk = letter.from;
     replies.corners.resize(letter.part.bytes / sizeof(CornerReply));
-    if (auto r = file_->read_at(letter.part.offset, std::as_writable_bytes(std::span(replies.corners))); !r)
+    if (auto r = read(letter.part, std::as_writable_bytes(std::span(replies.corners))); !r)
       return fail(r.error());
   }
   return out;

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -52,6 +53,7 @@ class InputSurface {
 
   std::uint32_t chunk_count() const { return static_cast<std::uint32_t>(chunks_.size()); }
   std::uint64_t triangles_of(std::uint32_t chunk) const { return chunks_[chunk].triangles; }
+  /// @error io; corrupt when it is not what was written
   Result<CleanChunk> chunk(std::uint32_t c) const;
   /// What other chunks tell chunk c, one entry per chunk that does, ascending.
   Result<std::vector<ChunkReplies>> replies_to(std::uint32_t c) const;
@@ -63,7 +65,7 @@ class InputSurface {
  private:
   friend class Ingest;
   struct Part {
-    std::uint64_t offset = 0, bytes = 0;
+    std::uint64_t offset = 0, bytes = 0, checksum = 0;
   };
   struct Letter {
     std::uint32_t from = 0;
@@ -74,6 +76,8 @@ class InputSurface {
     std::uint64_t triangles = 0;
     std::vector<Letter> letters;
   };
+  Result<void> read(const Part& part, std::span<std::byte> bytes) const;
+
   std::unique_ptr<FileHandle> file_;
   std::vector<Chunk> chunks_;
 };

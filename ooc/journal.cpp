@@ -6,13 +6,15 @@
 #include <cstring>
 #include <utility>
 
+#include "ooc/byte_stream.h"
 #include "ooc/file_handle.h"
+#include "ooc/fingerprint.h"
 
 namespace cuesta {
 namespace {
 
-/// Layout of the tables; a journal of another layout is emptied.
-constexpr int layout_version = 1;
+/// Layout of the tables and of what is in them; a journal of another layout is emptied.
+constexpr int layout_version = 2;
 
 struct Finalize {
   void operator()(sqlite3_stmt* s) const { sqlite3_finalize(s); }
@@ -23,6 +25,15 @@ Statement prepare(sqlite3* db, const char* sql) {
   sqlite3_stmt* s = nullptr;
   sqlite3_prepare_v2(db, sql, -1, &s, nullptr);
   return Statement(s);
+}
+
+/// A row as it is stored: a checksum of all that it says, then the result.
+std::uint64_t checksum_of(std::string_view stage, std::uint64_t number, std::span<const std::byte> result) {
+  ByteWriter w;
+  w.put_bytes(std::as_bytes(std::span(stage)));
+  w.put(number);
+  w.put_bytes(result);
+  return checksum(w.bytes());
 }
 
 void bind_text(sqlite3_stmt* s, int at, std::string_view text) {
@@ -112,7 +123,13 @@ Result<std::optional<std::vector<std::byte>>> Journal::find(std::string_view sta
   if (step != SQLITE_ROW) return error("cannot read the journal");
   const auto* data = static_cast<const std::byte*>(sqlite3_column_blob(s.get(), 0));
   const auto size = static_cast<std::size_t>(sqlite3_column_bytes(s.get(), 0));
-  return std::vector<std::byte>(data, data + size);
+  ByteReader r(std::span(data, size));
+  const auto expected = r.get<std::uint64_t>();
+  const auto result = r.get_bytes(r.remaining());
+  if (!r.ok() || checksum_of(stage, number, result) != expected)
+    return fail(ErrorCode::corrupt, path_.string(), std::string(stage) + " " + std::to_string(number),
+                "the journal of the build is damaged; run the same command again to start over");
+  return std::vector<std::byte>(result.begin(), result.end());
 }
 
 Result<std::uint64_t> Journal::count(std::string_view stage) const {
@@ -127,10 +144,12 @@ Result<void> Journal::record(std::string_view stage, std::uint64_t number,
                              std::span<const std::byte> result) {
   const Statement s = prepare(db_.get(), "INSERT OR REPLACE INTO task VALUES (?, ?, ?)");
   if (!s) return error("cannot write the journal");
+  ByteWriter row;
+  row.put(checksum_of(stage, number, result));
+  row.put_bytes(result);
   bind_text(s.get(), 1, stage);
   sqlite3_bind_int64(s.get(), 2, static_cast<sqlite3_int64>(number));
-  sqlite3_bind_blob64(s.get(), 3, result.empty() ? "" : static_cast<const void*>(result.data()),
-                      result.size(), SQLITE_TRANSIENT);
+  sqlite3_bind_blob64(s.get(), 3, row.bytes().data(), row.size(), SQLITE_STATIC);
   errno = 0;
   if (sqlite3_step(s.get()) != SQLITE_DONE) return error("cannot write the journal");
   return {};

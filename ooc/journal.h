@@ -36,7 +36,7 @@ class Journal {
 
   /// True if it was there already, with something finished in it.
   bool is_resumed() const { return resumed_; }
-  /// The result of a finished task.
+  /// The result of a finished task. @error corrupt when its checksum differs, or the database is damaged.
   Result<std::optional<std::vector<std::byte>>> find(std::string_view stage, std::uint64_t number) const;
   /// How many tasks of the stage are finished. Tasks that are recorded in order are then 0 … count - 1.
   Result<std::uint64_t> count(std::string_view stage) const;

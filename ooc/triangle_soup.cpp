@@ -61,6 +61,11 @@ bool is_short(Vec3i d) {
   return fits(d.x) && fits(d.y) && fits(d.z);
 }
 
+/// In damaged records the sum may be too large: then it is another place, and no undefined behaviour.
+Vec3i moved(Vec3i p, Vec3i by) {
+  return vec_cast<std::int32_t>(vec_cast<std::uint32_t>(p) + vec_cast<std::uint32_t>(by));
+}
+
 void put_area_normal(Cursor& c, Vec3f n) {
   c.put(encode_oct(normalized(n), 16));
   c.put(static_cast<std::uint16_t>(std::bit_cast<std::uint32_t>(length(n)) >> 16));
@@ -125,7 +130,7 @@ TriangleSoup decode_soup(std::span<const std::byte> records, std::uint32_t bucke
     for (int k = 0; k < 2; ++k) {
       const Vec3i d = (flags & flag_wide) != 0 ? take<Vec3i>(at)
                                                : vec_cast<std::int32_t>(take<Vec3<std::int16_t>>(at));
-      soup.corners.positions.push_back(first + d);
+      soup.corners.positions.push_back(moved(first, d));
     }
     if (layout.attributes.normals) take(at, soup.corners.normals, 3);
     if (layout.attributes.colours) take(at, soup.corners.colours, 3);

@@ -188,6 +188,32 @@ TEST(OutOfCore, a_lost_part_is_told) {
   EXPECT_NE(lost.error().text().find("start over"), std::string::npos) << lost.error().text();
 }
 
+/// Every sixteenth byte of the work file changed: what was written is not what is read.
+void damage(const std::filesystem::path& path) {
+  std::string bytes = bytes_of(path);
+  ASSERT_FALSE(bytes.empty()) << path;
+  for (std::size_t i = 0; i < bytes.size(); i += 16) bytes[i] = static_cast<char>(bytes[i] ^ 0x10);
+  put_bytes(path, bytes);
+}
+
+TEST(OutOfCore, damaged_work_files_are_told) {
+  for (const std::string name : {"chunks", "survivors.1"}) {
+    TemporaryFolder folder;
+    int calls = 0;
+    const auto stopped = try_build(surface(), folder / "a.cuesta", tiny_cells(), many_chunks,
+                                   [&](std::string_view stage, std::uint64_t, std::uint64_t) {
+                                     return !stage.starts_with("round 0") || ++calls < 3;
+                                   });
+    ASSERT_FALSE(stopped);
+    damage(folder / "a.cuesta.work" / name);
+    const auto refused = try_build(surface(), folder / "a.cuesta", tiny_cells(), many_chunks);
+    ASSERT_FALSE(refused) << name;
+    EXPECT_EQ(refused.error().code, ErrorCode::corrupt) << name;
+    EXPECT_NE(refused.error().text().find(name), std::string::npos) << refused.error().text();
+    EXPECT_NE(refused.error().text().find("start over"), std::string::npos) << refused.error().text();
+  }
+}
+
 /// Fewer triangles are left than a cell has, of what was read into many chunks: still one base page.
 TEST(OutOfCore, what_is_little_after_cleaning_has_one_base_page) {
   TemporaryFolder folder;
