@@ -30,12 +30,14 @@ class BoundedSink : public MeshSink {
   bool has_triangles_ = false;
 };
 
-inline int run(Result<ReadReport> (*reader)(const ReadJob&), const std::uint8_t* data, std::size_t size) {
+/// @param path  where the bytes lie too, for readers that open the file themselves
+inline int run(Result<ReadReport> (*reader)(const ReadJob&), const std::uint8_t* data, std::size_t size,
+               const std::filesystem::path& path = "fuzz/file") {
   if (size == 0) return 0;  // refused before a reader is called
   BoundedSink sink;
   ReadBudget budget(std::uint64_t{32} << 20);
   const ReadProgress progress;
-  const ReadJob job{"fuzz/file", {reinterpret_cast<const char*>(data), size}, sink, budget, progress, {}};
+  const ReadJob job{path, {reinterpret_cast<const char*>(data), size}, sink, budget, progress, {}};
   const auto report = reader(job);
   if (report && sink.has_triangles() && sink.highest() >= report->vertices) std::abort();
   if (!report && report.error().message.empty()) std::abort();
