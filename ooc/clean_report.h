@@ -16,6 +16,9 @@ struct CleanReport {
   std::uint64_t vertices_unused = 0;
   std::uint64_t wedge_groups = 0;  ///< positions with more than one vertex: attribute seams
 
+  std::uint64_t border_points = 0;  ///< on open borders; counted where borders are welded only
+  std::uint64_t border_points_welded = 0;  ///< of these, moved to another within the tolerance
+
   void add(const CleanReport& other) {
     nonfinite_vertices += other.nonfinite_vertices;
     faces_nonfinite += other.faces_nonfinite;
@@ -26,6 +29,8 @@ struct CleanReport {
     vertices_split += other.vertices_split;
     vertices_unused += other.vertices_unused;
     wedge_groups += other.wedge_groups;
+    border_points += other.border_points;
+    border_points_welded += other.border_points_welded;
   }
 };
 

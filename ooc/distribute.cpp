@@ -163,21 +163,7 @@ class Distributor {
       t.area_normal = vec_cast<float>(
           cross((corners[1].position - a) / grid_.step, (corners[2].position - a) / grid_.step));
     }
-    const Vec3d sum = vec_cast<double>(t.positions[0]) + vec_cast<double>(t.positions[1]) +
-                      vec_cast<double>(t.positions[2]);
-    t.owner = tree_.leaf_of(vec_cast<float>(sum / 3.0));
-    std::array<std::byte, max_soup_record_bytes> buffer;
-    if (auto r = writer.append(t.owner, encode(t, t.owner, layout_, buffer)); !r) return r;
-    std::array<std::uint32_t, 3> told{t.owner, t.owner, t.owner};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3f p = vec_cast<float>(t.positions[k]);
-      if (holds(tree_.leaf_box(t.owner), p)) continue;
-      const std::uint32_t leaf = tree_.leaf_of(p);
-      if (std::find(told.begin(), told.end(), leaf) != told.end()) continue;
-      told[k] = leaf;
-      if (auto r = writer.append(leaf, encode(t, leaf, layout_, buffer)); !r) return r;
-    }
-    return {};
+    return put_in_chunks(t, tree_, layout_, writer);
   }
 
   Result<void> report(std::size_t triangles) {
@@ -198,6 +184,32 @@ class Distributor {
 };
 
 }  // namespace
+
+TriangleChunks chunks_of(const std::array<Vec3i, 3>& corners, const SpaceTree& tree) {
+  const Vec3d sum =
+      vec_cast<double>(corners[0]) + vec_cast<double>(corners[1]) + vec_cast<double>(corners[2]);
+  TriangleChunks out;
+  const std::uint32_t owner = tree.leaf_of(vec_cast<float>(sum / 3.0));
+  out.chunks[out.count++] = owner;
+  for (const Vec3i& corner : corners) {
+    const Vec3f p = vec_cast<float>(corner);
+    if (holds(tree.leaf_box(owner), p)) continue;
+    const std::uint32_t leaf = tree.leaf_of(p);
+    const auto told = out.all();
+    if (std::find(told.begin(), told.end(), leaf) == told.end()) out.chunks[out.count++] = leaf;
+  }
+  return out;
+}
+
+Result<void> put_in_chunks(SoupTriangle& t, const SpaceTree& tree, const SoupLayout& layout,
+                           BucketFile::Writer& writer) {
+  const TriangleChunks chunks = chunks_of(t.positions, tree);
+  t.owner = chunks.chunks[0];
+  std::array<std::byte, max_soup_record_bytes> buffer;
+  for (const std::uint32_t chunk : chunks.all())
+    if (auto r = writer.append(chunk, encode(t, chunk, layout, buffer)); !r) return r;
+  return {};
+}
 
 Result<std::uint64_t> distribute(const RawSurface& raw, const Grid& grid, const SpaceTree& tree,
                                  const SoupLayout& layout, MemoryBudget& memory,

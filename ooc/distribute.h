@@ -1,8 +1,10 @@
 #pragma once
 /// Joins triangles with their vertices and sorts them into chunks.
 
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <span>
 
 #include "ooc/bucket_file.h"
 #include "ooc/memory_budget.h"
@@ -12,6 +14,18 @@
 #include "ooc/triangle_soup.h"
 
 namespace cuesta {
+
+/// The chunks that have a triangle: its owner first, then the others that a corner lies in.
+struct TriangleChunks {
+  std::array<std::uint32_t, 4> chunks{};
+  std::size_t count = 0;
+  std::span<const std::uint32_t> all() const { return std::span(chunks).first(count); }
+};
+TriangleChunks chunks_of(const std::array<Vec3i, 3>& corners, const SpaceTree& tree);
+
+/// Sets the owner of a triangle, and writes it to all its chunks.
+Result<void> put_in_chunks(SoupTriangle& triangle, const SpaceTree& tree, const SoupLayout& layout,
+                           BucketFile::Writer& writer);
 
 /// Triangles done; false cancels.
 using TriangleProgress = std::function<bool(std::uint64_t triangles_done)>;

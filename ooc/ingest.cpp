@@ -1,6 +1,9 @@
 #include "ooc/ingest.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <system_error>
 #include <type_traits>
@@ -12,6 +15,7 @@
 #include "ooc/ordered_tasks.h"
 #include "ooc/space_tree.h"
 #include "ooc/survey.h"
+#include "ooc/weld_borders.h"
 
 namespace cuesta {
 namespace {
@@ -36,6 +40,7 @@ std::vector<std::byte> encode(const RawSurface& raw, const ReadState& state) {
   ByteWriter w;
   w.put(state.counts);
   w.put(state.survey.grid);
+  w.put(state.survey.box);
   put_array(w, state.survey.samples);
   w.put(state.survey.nonfinite_vertices);
   w.put(state.survey.unused_vertices);
@@ -51,6 +56,7 @@ Result<ReadState> decode_read(std::span<const std::byte> bytes, std::size_t& fil
   ByteReader r(bytes);
   s.counts = r.get<RawCounts>();
   s.survey.grid = r.get<Grid>();
+  s.survey.box = r.get<Box3<std::int32_t>>();
   bool good = get_array(r, s.survey.samples);
   s.survey.nonfinite_vertices = r.get<std::uint64_t>();
   s.survey.unused_vertices = r.get<std::uint64_t>();
@@ -75,7 +81,7 @@ struct LetterRecord {
 
 }  // namespace
 
-/// The three stages; each is skipped if the journal knows its result.
+/// The stages; each is skipped if the journal knows its result.
 class Ingest {
  public:
   Ingest(WorkFolder& folder, const IngestOptions& options, MemoryBudget& memory,
@@ -83,8 +89,12 @@ class Ingest {
       : folder_(folder), options_(options), memory_(memory), progress_(progress) {}
 
   Result<InputSurface> run(const InputReader& read) {
+    if (!(options_.weld_tolerance >= 0) || !std::isfinite(options_.weld_tolerance))
+      return fail(ErrorCode::invalid_input, "", "", "the weld tolerance must be a number from 0 on");
     if (auto r = read_stage(read); !r) return fail(r.error());
+    if (auto r = check_tolerance(); !r) return fail(r.error());
     if (auto r = distribute_stage(); !r) return fail(r.error());
+    if (auto r = weld_stage(); !r) return fail(r.error());
     if (auto r = clean_stage(); !r) return fail(r.error());
     return finish();
   }
@@ -140,6 +150,19 @@ class Ingest {
     return {counts.attributes, options_.make_normals && counts.has_missing_normals};
   }
 
+  /// More than the width of any crack would pull the surface together, and hold much of it in the sweep.
+  Result<void> check_tolerance() const {
+    const Box3<std::int32_t>& box = read_.survey.box;
+    if (options_.weld_tolerance == 0 || box.empty()) return {};
+    const Vec3d size = (vec_cast<double>(box.hi) - vec_cast<double>(box.lo)) * read_.survey.grid.step;
+    const double most = std::max({size.x, size.y, size.z}) * kMostWeldPart;
+    if (options_.weld_tolerance <= most) return {};
+    return fail(ErrorCode::invalid_input, "", "",
+                fmt::format("a weld tolerance of {} is too large for this surface, {} at most: give a little more "
+                            "than the width of the cracks",
+                            options_.weld_tolerance, most));
+  }
+
   Result<void> distribute_stage() {
     auto known = folder_.journal().find("distribute", 0);
     if (!known) return fail(known.error());
@@ -166,6 +189,34 @@ class Ingest {
     return {};
   }
 
+  Result<void> weld_stage() {
+    if (options_.weld_tolerance == 0) return {};
+    auto known = folder_.journal().find("weld", 0);
+    if (!known) return fail(known.error());
+    if (!*known) {
+      auto soup = BucketFile::open(folder_.path() / soup_name, soup_index_);
+      if (!soup) return fail(soup.error());
+      const SoupChunks chunks{*soup, *tree_, layout_, read_.survey.box, read_.counts.triangles,
+                              bytes_of_largest(*soup)};
+      const auto moved = weld_borders(
+          chunks, options_.weld_tolerance / read_.survey.grid.step, memory_, folder_.path(),
+          [&](std::uint64_t done) { return report("weld", done, read_.counts.triangles).has_value(); });
+      if (!moved) return fail(moved.error());
+      *known = moved->encode();
+      if (auto r = folder_.journal().record("weld", 0, **known); !r) return r;
+    }
+    moved_index_ = std::move(**known);
+    return {};
+  }
+
+  /// What cleaning the largest chunk takes: records, the soup that they become, and what is made of it.
+  std::uint64_t bytes_of_largest(const BucketFile& soup, const MovedTriangles& moved = {}) const {
+    std::uint64_t largest = 0;
+    for (std::uint32_t c = 0; c < tree_->leaf_count(); ++c)
+      largest = std::max(largest, soup.bytes(c) + moved.bytes(c));
+    return largest * 3 + largest / layout_.typical_record_bytes() * 270;
+  }
+
   Result<void> clean_stage() {
     const std::uint32_t chunks = tree_->leaf_count();
     const auto finished = folder_.journal().count("clean");
@@ -180,20 +231,29 @@ class Ingest {
       if (!record) return fail(record.error());
       if (!*record || !adopt(c, **record)) return damaged_journal();
     }
+    if (!moved_index_.empty()) {
+      ByteReader r(moved_index_);
+      out_.report.border_points = r.get<std::uint64_t>();
+      out_.report.border_points_welded = r.get<std::uint64_t>();
+    }
     if (*finished == chunks) return {};
+    MovedTriangles moved;
+    if (!moved_index_.empty()) {
+      auto opened = MovedTriangles::open(folder_.path(), moved_index_);
+      if (!opened) return fail(opened.error());
+      moved = std::move(*opened);
+    }
     auto soup = BucketFile::open(folder_.path() / soup_name, soup_index_);
     if (!soup) return fail(soup.error());
-    std::uint64_t largest = 0;
-    for (std::uint32_t c = 0; c < chunks; ++c) largest = std::max(largest, soup->bytes(c));
-    // Records, the soup that they become, and what cleaning it takes.
-    const std::uint64_t bytes_each = largest * 3 + largest / layout_.typical_record_bytes() * 270;
-    auto reserved = memory_.reserve_some(bytes_each, arena_threads() + 1, "cleaning a chunk of the surface");
+    auto reserved = memory_.reserve_some(bytes_of_largest(*soup, moved), arena_threads() + 1,
+                                         "cleaning a chunk of the surface");
     if (!reserved) return fail(reserved.error());
     auto done = run_in_order<CleanedChunk>(
         *finished, chunks, reserved->second,
         [&](std::uint64_t c) -> Result<CleanedChunk> {
           const auto chunk = static_cast<std::uint32_t>(c);
           auto records = soup->read(chunk);
+          if (records) records = moved.apply(chunk, std::move(*records), layout_);
           if (!records) return fail(records.error());
           TriangleSoup triangles = decode_soup(*records, chunk, layout_);
           *records = {};
@@ -207,6 +267,7 @@ class Ingest {
     if (!done) return done;
     std::error_code ignored;
     std::filesystem::remove(folder_.path() / soup_name, ignored);
+    MovedTriangles::remove(folder_.path());
     return {};
   }
 
@@ -289,7 +350,7 @@ class Ingest {
   ReadState read_;
   SoupLayout layout_;
   std::unique_ptr<SpaceTree> tree_;
-  std::vector<std::byte> soup_index_;
+  std::vector<std::byte> soup_index_, moved_index_;
   std::uint64_t nonfinite_faces_ = 0, vertices_used_ = 0, end_ = 0;
   InputSurface out_;
 };

@@ -4,6 +4,7 @@
 ///   read        inputs → columns of vertices, triangles by the block of vertices they index   (RawSurface)
 ///   distribute  join block by block; triangles to the chunks that their centres lie in, and to those that
 ///               their corners lie in (TriangleSoup)
+///   weld        if asked for: open borders near each other are joined                              (weld_borders)
 ///   clean       chunk by chunk; neighbours tell each other the numbers of vertices they share  (CleanChunk)
 ///
 /// The result does not depend on threads, memory or interruptions: the journal knows what is done.
@@ -38,6 +39,9 @@ struct IngestOptions {
   /// Vertices that are joined with their triangles at one time; 0: what fits in 2/5 of the memory. Does not
   /// change the result.
   std::uint64_t block_vertices = 0;
+  /// Points on open borders that are this near to each other, in world units, become one (weld_borders.h); 0: only
+  /// those that are at one point of the grid.
+  double weld_tolerance = 0;
 };
 
 /// A clean surface on disk, in chunks.
@@ -85,9 +89,10 @@ class InputSurface {
 /// Reads inputs into the sink that it is given. @return a report for each
 using InputReader = std::function<Result<std::vector<ReadReport>>(RawSurface& sink)>;
 
-/// Runs what of the three stages is not in the work folder's journal, in parallel in the calling TBB arena.
+/// Runs what of the stages is not in the work folder's journal, in parallel in the calling TBB arena.
 /// @param read   not called when reading was finished by an earlier run
-/// @error those of `read`; invalid_input when nothing is left or the grid step does not fit the extent;
+/// @error those of `read`; invalid_input when nothing is left, the grid step does not fit the extent, or the weld
+///        tolerance is not a number from 0 to kMostWeldPart of the extent;
 ///        out_of_budget for memory or disk; io; cancelled.
 /// @cost about 1 µs per triangle and core; disk at the peak: 24 to 40 bytes per vertex, and per triangle 50 to 104 (20
 ///       and a soup record; 180 in place of the 20 where its corners are in several blocks).

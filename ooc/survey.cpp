@@ -99,6 +99,10 @@ Result<Survey> survey(const RawSurface& raw, double step) {
   const auto grid = choose_grid(box, std::move(*lengths), step);
   if (!grid) return fail(grid.error());
   out.grid = *grid;
+  if (!box.empty()) {
+    out.box.add(grid->snap(box.lo));
+    out.box.add(grid->snap(box.hi));
+  }
   out.samples.reserve(samples.size());
   for (const Vec3d& p : samples) out.samples.push_back(vec_cast<float>(grid->snap(p)));
   return out;

@@ -12,6 +12,7 @@ namespace cuesta {
 
 struct Survey {
   Grid grid;
+  Box3<std::int32_t> box;      ///< of the vertices that are used, grid units; empty if none is
   std::vector<Vec3f> samples;  ///< of the vertices that are used 2^20 at most, give or take; grid units
   std::uint64_t nonfinite_vertices = 0;
   std::uint64_t unused_vertices = 0;  ///< finite; of more than 2^29 vertices too few (RawSurface::is_used)

@@ -128,8 +128,8 @@ TriangleSoup decode_soup(std::span<const std::byte> records, std::uint32_t bucke
     const auto first = take<Vec3i>(at);
     soup.corners.positions.push_back(first);
     for (int k = 0; k < 2; ++k) {
-      const Vec3i d = (flags & flag_wide) != 0 ? take<Vec3i>(at)
-                                               : vec_cast<std::int32_t>(take<Vec3<std::int16_t>>(at));
+      const Vec3i d =
+          (flags & flag_wide) != 0 ? take<Vec3i>(at) : vec_cast<std::int32_t>(take<Vec3<std::int16_t>>(at));
       soup.corners.positions.push_back(moved(first, d));
     }
     if (layout.attributes.normals) take(at, soup.corners.normals, 3);
@@ -138,6 +138,40 @@ TriangleSoup decode_soup(std::span<const std::byte> records, std::uint32_t bucke
     if (layout.area_normals) soup.area_normals.push_back(take_area_normal(at));
   }
   return soup;
+}
+
+SoupTriangle triangle_of(const TriangleSoup& soup, std::size_t i) {
+  const VertexTable& corners = soup.corners;
+  SoupTriangle t;
+  t.ordinal = soup.ordinals[i];
+  t.owner = soup.owners[i];
+  for (std::size_t k = 0; k < 3; ++k) {
+    t.positions[k] = corners.positions[3 * i + k];
+    if (!corners.normals.empty()) t.normals[k] = corners.normals[3 * i + k];
+    if (!corners.colours.empty()) t.colours[k] = corners.colours[3 * i + k];
+    if (!corners.texcoords.empty()) t.texcoords[k] = corners.texcoords[3 * i + k];
+  }
+  if (!soup.area_normals.empty()) t.area_normal = soup.area_normals[i];
+  return t;
+}
+
+void remove_triangles(std::vector<std::byte>& records, std::span<const std::uint64_t> ordinals,
+                      const SoupLayout& layout) {
+  if (ordinals.empty()) return;
+  std::size_t kept = 0;
+  for (std::size_t at = 0; at < records.size();) {
+    const std::uint32_t bytes = bytes_of(static_cast<std::uint8_t>(records[at]), layout);
+    if (bytes > records.size() - at) break;
+    const std::byte* p = records.data() + at + 1;
+    const std::uint64_t high = take<std::uint8_t>(p);
+    const std::uint64_t ordinal = high << 32 | take<std::uint32_t>(p);
+    if (!std::binary_search(ordinals.begin(), ordinals.end(), ordinal)) {
+      std::memmove(records.data() + kept, records.data() + at, bytes);
+      kept += bytes;
+    }
+    at += bytes;
+  }
+  records.resize(kept);
 }
 
 }  // namespace cuesta

@@ -57,4 +57,11 @@ struct TriangleSoup {
 /// Records of a bucket in any order → a soup in input order. Bytes after the last whole record are left out.
 TriangleSoup decode_soup(std::span<const std::byte> records, std::uint32_t bucket, const SoupLayout& layout);
 
+/// Triangle i of a soup by itself. Area normals are as exact as records keep them.
+SoupTriangle triangle_of(const TriangleSoup& soup, std::size_t i);
+
+/// Takes records of some triangles out of a bucket. @param ordinals  ascending
+void remove_triangles(std::vector<std::byte>& records, std::span<const std::uint64_t> ordinals,
+                      const SoupLayout& layout);
+
 }  // namespace cuesta

@@ -135,6 +135,7 @@ Result<void> build_in(WorkFolder& folder, const BuildSettings& s, BuildFacts& fa
   };
   IngestOptions ingesting;
   ingesting.step = s.step;
+  ingesting.weld_tolerance = s.weld;
   ingesting.make_normals = s.make_normals;
   ingesting.chunk_triangles = std::max(ingesting.chunk_triangles, s.cell_triangles);
   auto surface = ingest(

@@ -15,7 +15,8 @@ struct BuildSettings {
   std::filesystem::path output;               ///< empty, for one input only: its name with .cuesta
   std::filesystem::path temp;                 ///< where the work folder goes; empty: beside the output
   std::uint64_t memory_bytes = 0;             ///< 0: three quarters of the machine's
-  double step = 0;                 ///< grid step in world units; 0 chooses
+  double step = 0;                            ///< grid step in world units; 0 chooses
+  double weld = 0;  ///< points on open borders this near to each other, in world units, become one; 0: none
   std::uint32_t cell_triangles = 1u << 15;
   VolumeOptions volume;      ///< of inputs that are volumes
   bool make_normals = true;  ///< where the input has none

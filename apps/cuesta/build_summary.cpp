@@ -36,6 +36,11 @@ std::vector<Count> clean_counts(const CleanReport& c) {
           {"wedge_groups", c.wedge_groups}};
 }
 
+/// Of builds that weld borders only: files of others know nothing of them.
+std::vector<Count> weld_counts(const CleanReport& c) {
+  return {{"border_points", c.border_points}, {"border_points_welded", c.border_points_welded}};
+}
+
 std::vector<Count> told_counts(const ReadReport& r, const CleanReport& c) {
   return {{"polygons triangulated", r.polygons_triangulated},
           {"faces dropped: index out of range", r.faces_out_of_range},
@@ -98,6 +103,7 @@ nlohmann::ordered_json options_of(const BuildSettings& settings) {
   nlohmann::ordered_json options{{"cell_triangles", settings.cell_triangles},
                                  {"make_normals", settings.make_normals},
                                  {"step", settings.step}};
+  if (settings.weld > 0) options["weld"] = settings.weld;
   const auto volume = volume_of(settings.volume);
   if (!volume.empty()) options["volume"] = volume;
   return options;
@@ -136,6 +142,7 @@ std::string build_metadata(const BuildFacts& facts, const BuildSettings& setting
   json["read"] = as_json(read_counts(totals(facts).read));
   json["missing"] = as_json(missing_counts(facts.missing));
   json["clean"] = as_json(clean_counts(facts.clean));
+  if (settings.weld > 0) json["clean"].update(as_json(weld_counts(facts.clean)));
   json["options"] = options_of(settings);
   if (totals(facts).read.other_files == 0) json["fingerprint"] = facts.fingerprint;
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
@@ -150,6 +157,10 @@ std::string build_summary(const BuildFacts& f, const BuildSettings& settings) {
                                with_commas(all.read.vertices), byte_count(all.bytes)));
   for (const auto& [words, count] : told_missing(f.missing, settings.make_normals))
     if (count > 0) text += row("", fmt::format("{} {}", with_commas(count), words));
+  if (settings.weld > 0)
+    text += row(
+        "", fmt::format("{} of {} border points welded within {}", with_commas(f.clean.border_points_welded),
+                        with_commas(f.clean.border_points), settings.weld));
   for (const auto& [words, count] : told_counts(all.read, f.clean))
     if (count > 0) text += row("", fmt::format("{} {}", with_commas(count), words));
   text += row("surface", fmt::format("{} triangles, {} vertices; attributes: {}", with_commas(f.triangles),

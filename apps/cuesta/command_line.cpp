@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <memory>
@@ -128,7 +129,8 @@ void add_build(CLI::App& program, Common& common) {
       "disk, goes on from there when the same command is run again.\n\n"
       "Any of them may be inside gzip or Zstandard (scan.ply.gz, scan.obj.zst). Several files become\n"
       "one surface, in the order given. Where only some have an attribute, vertices of the others get\n"
-      "computed normals, white, or (0, 0).\n\n"
+      "computed normals, white, or (0, 0). Tiles whose borders nearly meet are joined with --weld: TOL\n"
+      "is best a little more than the width of the cracks, and less than the borders' edges.\n\n"
       "A volume (OpenVDB, .vdb) is meshed block by block, as it is read: --grid names one of its\n"
       "grids of float, half or double, --iso the value on the surface, --adaptivity merges flat\n"
       "parts. Level sets have their surface at 0 with lower values inside; fog volumes at 0.5\n"
@@ -144,12 +146,13 @@ void add_build(CLI::App& program, Common& common) {
       ->required();
   add_path(c.app, "-o,--output", s.output,
            "file to write; default, for one INPUT only: its name with .cuesta, in this folder");
-  add_parsed(c.app, "--memory", "SIZE", "memory to use, such as 512M or 8G, at least 256M; default: 3/4 of the machine's",
+  add_parsed(c.app, "--memory", "SIZE",
+             "memory to use, such as 512M or 8G, at least 256M; default: 3/4 of the machine's",
              store(parse_bytes, s.memory_bytes));
-  add_path(c.app, "--temp", s.temp,
-           "where the folder with work in progress goes; default: beside the output")
+  add_path(c.app, "--temp", s.temp, "where the folder with work in progress goes; default: beside the output")
       ->type_name("DIR");
-  add_parsed(c.app, "--resume", "WHEN", "auto: go on with what an interrupted build left; never; default auto",
+  add_parsed(c.app, "--resume", "WHEN",
+             "auto: go on with what an interrupted build left; never; default auto",
              [&s](const std::string& text) {
                s.resume = text == "auto";
                return s.resume || text == "never";
@@ -157,6 +160,17 @@ void add_build(CLI::App& program, Common& common) {
   c.app->add_option("--step", s.step, "grid step in the mesh's units; default: 1/128 of the median edge")
       ->type_name("S")
       ->check(CLI::PositiveNumber);
+  c.app
+      ->add_option("--weld", s.weld,
+                   "join open borders: points on them that are this near to each other, in the mesh's\n"
+                   "units, become one; default 0: only points that are the same on the grid")
+      ->type_name("TOL")
+      ->check([](const std::string& text) {
+        double tolerance = 0;
+        const bool is_good =
+            CLI::detail::lexical_cast(text, tolerance) && tolerance >= 0 && std::isfinite(tolerance);
+        return is_good ? std::string() : text + " is not a number from 0 on";
+      });
   c.app->add_option("--cell", s.cell_triangles, "triangles of a page before it is simplified; default 32768")
       ->type_name("N")
       ->check(CLI::Range(64u, max_page_elements - 1));

@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -426,6 +427,80 @@ TEST_F(InterruptedBuild, AFileSizeLimitIsToldAndLosesNothing) {
   EXPECT_NE(limited(std::filesystem::file_size(part()) + 1000).find(part()), std::string::npos);
   expect_kept();
   expect_the_same(true);
+}
+
+TEST_F(CuestaCommand, AnInputThatIsCutWhileItIsReadIsToldAndNothingIsLost) {
+  const std::string mesh = *folder / "cut.stl", out = *folder / "cut.cuesta", work = out + ".work";
+  const std::uint32_t triangles = 8'000'000;
+  {
+    std::ofstream file(mesh, std::ios::binary);
+    file << std::string(80, ' ');
+    file.write(reinterpret_cast<const char*>(&triangles), 4);
+  }
+  std::filesystem::resize_file(mesh, 84 + std::uintmax_t{50} * triangles);  // a hole: no disk
+  Program program(*folder, {"build", mesh, "-o", out, "--threads", "1"});
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  std::error_code failed;
+  for (std::uintmax_t bytes = 0; bytes == 0 || failed;
+       bytes = std::filesystem::file_size(work + "/positions", failed)) {
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  std::filesystem::resize_file(mesh, 10'000);
+  const Outcome outcome = program.wait();
+  EXPECT_EQ(outcome.status, 6) << outcome.err;
+  EXPECT_NE(outcome.err.find(mesh + ": the file became shorter while it was read"), std::string::npos)
+      << outcome.err;
+  EXPECT_FALSE(std::filesystem::exists(out));
+  EXPECT_TRUE(std::filesystem::exists(work + "/journal.sqlite"));
+  std::filesystem::remove_all(work);
+}
+
+/// 60 by 60 quads from `x` on.
+SurfaceMesh tile(double x) {
+  SurfaceMesh mesh;
+  constexpr std::uint32_t n = 60;
+  for (std::uint32_t i = 0; i <= n; ++i)
+    for (std::uint32_t j = 0; j <= n; ++j) mesh.positions.push_back({x + j, double(i), std::sin(0.2 * i)});
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t j = 0; j < n; ++j) {
+      const std::uint32_t a = i * (n + 1) + j, c = a + n + 1;
+      mesh.triangles.push_back({a, a + 1, c + 1});
+      mesh.triangles.push_back({a, c + 1, c});
+    }
+  return mesh;
+}
+
+TEST_F(CuestaCommand, WeldJoinsBordersOfTilesWithTheSameBytes) {
+  const std::string west = *folder / "west.ply", east = *folder / "east.ply";
+  ASSERT_TRUE(write_mesh(west, tile(0)));
+  ASSERT_TRUE(write_mesh(east, tile(60.02)));
+  const auto build = [&](const std::string& name, std::vector<std::string> more) {
+    std::vector<std::string> words{"build", west, east, "-o", *folder / name, "--cell", "512"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = cuesta(words);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return outcome.out;
+  };
+  const auto bytes = [&](const std::string& name) { return read_text(*folder / name); };
+  build("cracked.cuesta", {});
+  build("zero.cuesta", {"--weld", "0"});
+  EXPECT_TRUE(bytes("zero.cuesta") == bytes("cracked.cuesta"));
+  const std::string told = build("welded.cuesta", {"--weld", "0.05"});
+  EXPECT_NE(told.find("61 of 480 border points welded within 0.05"), std::string::npos) << told;
+  build("again.cuesta", {"--weld", "0.05", "--threads", "3", "--memory", "256M", "--temp", folder->path()});
+  EXPECT_TRUE(bytes("again.cuesta") == bytes("welded.cuesta"));
+  EXPECT_NE(build("again.cuesta", {"--weld", "0.05"}).find("up to date"), std::string::npos);
+  EXPECT_EQ(build("again.cuesta", {"--weld", "0.04"}).find("up to date"), std::string::npos);
+  const json info = cuesta_json({"info", *folder / "welded.cuesta"});
+  EXPECT_EQ(info["vertices"], 2 * 61 * 61 - 61);
+  EXPECT_EQ(info["metadata"]["options"]["weld"], 0.05);
+  EXPECT_EQ(info["metadata"]["clean"]["border_points_welded"], 61);
+  for (const char* tolerance : {"-1", "nan", "inf", "wide"})
+    EXPECT_EQ(cuesta({"build", west, "--weld=" + std::string(tolerance)}).status, 1) << tolerance;
+  const Outcome large = cuesta({"build", west, east, "-o", *folder / "large.cuesta", "--weld", "5"});
+  EXPECT_EQ(large.status, 5);
+  EXPECT_NE(large.err.find("too large"), std::string::npos) << large.err;
 }
 
 }  // namespace

@@ -90,7 +90,9 @@ Result<GridMesh> clean_mesh(const SurfaceMesh& mesh, const CleanOptions& options
   if (!folder) return fail(folder.error());
   MemoryBudget memory(std::uint64_t{1} << 30);
   auto surface =
-      ingest(*folder, {options.step, options.make_normals, options.chunk_triangles, options.block_vertices},
+      ingest(*folder,
+             {options.step, options.make_normals, options.chunk_triangles, options.block_vertices,
+              options.weld_tolerance},
              memory, [&](RawSurface& sink) { return feed(mesh, sink); });
   Result<GridMesh> out;
   if (surface) {

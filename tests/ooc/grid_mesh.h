@@ -31,6 +31,7 @@ struct CleanOptions {
   bool make_normals = true;
   std::uint32_t chunk_triangles = 1u << 18;
   std::uint64_t block_vertices = 0;
+  double weld_tolerance = 0;
 };
 
 /// Gives a mesh in memory to the sink, in blocks as readers do.
