@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint32_t block = ActiveNodes::block;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Bound of the f32 evaluation of a limit, relative to its terms: nine roundings of 2^-24 and the eye's.
+/// Bound of the f32 evaluation of a limit, relative to its terms: nine roundings of 2^-24, the eye's and limit_slack.
 constexpr double rounding = 1.0 / (1 << 20);
 
 struct Block {

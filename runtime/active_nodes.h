@@ -27,6 +27,8 @@ struct FanBand {
 class ActiveNodes {
  public:
   static constexpr std::uint32_t block = 64;
+  /// Relative change of a limit that is not worth a test of all blocks: their slack allows for it.
+  static constexpr double limit_slack = 1.0 / (1 << 22);
 
   /// Fans alike in error and place share a block.
   /// @param errors  of the last substitution of each fan

@@ -110,6 +110,7 @@ void Cut::choose_tau(Frame& f) {
   const double from = still ? f.tau : wanted;
   demand_.find(*cache_, f.scale, from);
   f.floor = demand_.affordable(*cache_, from);
+  if (f.floor > from) f.floor = Regulator::step_up(f.floor);
   f.aim = std::max(wanted, f.floor);
   f.report.tau = f.aim;
   if (f.floor > from) f.report.bound_by = Binding::resident_bytes;
@@ -191,8 +192,9 @@ void Cut::plan_page(Frame& f, PageId id, ResidentPage& page) {
   const Sphere& bound = directory().pages[id].bound;
   const double factor = f.scale.page_factor(bound);
   const double limit = f.aim * f.scale.unit() * factor;
-  const bool all = page.set_path(path_for(f, bound)) || page.tested_limit != limit;
-  page.tested_limit = limit;
+  const bool same_limit = std::abs(limit - page.tested_limit) <= ActiveNodes::limit_slack * std::abs(page.tested_limit);
+  const bool all = page.set_path(path_for(f, bound)) || !same_limit;
+  if (all) page.tested_limit = limit;
   ActiveNodes& nodes = page.active_nodes();
   if (!all && !nodes.due(travelled_)) return;
   candidates_.clear();

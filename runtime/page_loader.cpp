@@ -10,6 +10,10 @@
 #include <mutex>
 #include <thread>
 #endif
+#ifdef __linux__
+#include <sys/resource.h>
+#include <unistd.h>
+#endif
 
 namespace cuesta {
 namespace {
@@ -55,6 +59,14 @@ class InlineLoader : public PageLoader {
 
 #ifndef __EMSCRIPTEN__
 
+/// A page may come a frame later; a frame may not.
+void yield_to_frames() {
+#ifdef __linux__
+  constexpr int lower = 10;
+  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), lower);  // of the calling thread alone
+#endif
+}
+
 class ThreadedLoader : public PageLoader {
  public:
   ThreadedLoader(const CuestaFile& file, GeometryPool& pool, std::uint32_t threads) : file_(file), pool_(pool) {
@@ -97,6 +109,7 @@ class ThreadedLoader : public PageLoader {
 
  private:
   void work() {
+    yield_to_frames();
     std::unique_lock lock(mutex_);
     while (true) {
       waiting_.wait(lock, [this] { return stop_ || !queue_.empty(); });

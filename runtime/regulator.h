@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace cuesta {
 
@@ -21,13 +22,17 @@ class Regulator {
   void set(double tau) { factor_ = tau; }
   double at_least(double floor) {
     factor_ = std::max(factor_, floor);
-    if (!(factor_ > floor)) return floor;
-    return std::max(floor, std::exp2(std::ceil(std::log2(factor_) / step) * step));
+    return factor_ > floor ? std::max(floor, step_up(factor_)) : floor;
+  }
+  /// The next power of 1.02: blocks are not tested again for less.
+  static double step_up(double tau) {
+    return tau > 0 && tau < std::numeric_limits<double>::max() ? std::exp2(std::ceil(std::log2(tau) / step) * step)
+                                                               : tau;
   }
 
  private:
   static constexpr double smoothing = 0.25, upper_load = 0.85, lower_load = 0.70, up = 1.02, down = 0.995;
-  static constexpr double step = 0.0285691521967709;  // log2 1.02: a block is not tested again for less
+  static constexpr double step = 0.0285691521967709;  // log2 1.02
   double load_ = 0;
   double factor_ = 0;
 };
