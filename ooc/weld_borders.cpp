@@ -1,7 +1,5 @@
 #include "ooc/weld_borders.h"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 #include <atomic>
 #include <deque>
@@ -23,10 +21,10 @@ constexpr const char* points_name = "borders";
 constexpr const char* moves_name = "moves";
 constexpr std::uint32_t most_ranges = 1024;
 constexpr std::uint32_t buffer_bytes = 1u << 13;
+/// Buffers of the sweep, which writes for all chunks.
+constexpr std::uint64_t move_buffers_bytes = std::uint64_t{8} << 20;
 /// What the sweep holds per byte of the points within its reach: 16 of a point become at most 160.
 constexpr std::uint64_t sweep_bytes_per_byte = 10;
-
-using Writers = tbb::enumerable_thread_specific<BucketFile::Writer>;
 
 /// From where to where a point goes, for one chunk.
 struct Move {
@@ -64,12 +62,6 @@ Result<std::unique_ptr<BucketFile>> made(const std::filesystem::path& path) {
   auto file = BucketFile::create(path);
   if (!file) return fail(file.error());
   return std::make_unique<BucketFile>(std::move(*file));
-}
-
-Result<void> flush(Writers& writers) {
-  for (auto& w : writers)
-    if (auto r = w.flush(); !r) return r;
-  return {};
 }
 
 }  // namespace
@@ -184,17 +176,16 @@ class BorderWelder {
   }
 
   Result<void> find(BucketFile& points) {
-    Writers writers([&] { return BucketFile::Writer(points, buffer_bytes); });
-    auto done = for_chunks("finding the borders of a chunk", [&](std::uint32_t c) -> Result<void> {
+    return for_chunks("finding the borders of a chunk", [&](std::uint32_t c) -> Result<void> {
       auto soup = soup_of(c);
       if (!soup) return fail(soup.error());
       const std::size_t triangles = soup->size();
-      auto& writer = writers.local();
+      BucketFile::Writer writer(points, buffer_bytes);  // a chunk meets few ranges
       for (const BorderPoint& p : border_points(std::move(*soup), chunks_.tree.leaf_box(c)))
         if (auto r = writer.append(ranges_.of(p.position), p); !r) return r;
+      if (auto r = writer.flush(); !r) return r;
       return report(triangles);
     });
-    return done ? flush(writers) : done;
   }
 
   /// The most that a range and the sweep's window around it can hold.
@@ -211,11 +202,13 @@ class BorderWelder {
   }
 
   Result<void> sweep(const BucketFile& points, BucketFile& moves) {
-    const auto reserved =
-        memory_.reserve(most_sweep_bytes(points), "welding the borders within the tolerance");
+    const auto reserved = memory_.reserve(most_sweep_bytes(points) + move_buffers_bytes,
+                                          "welding the borders within the tolerance");
     if (!reserved) return fail(reserved.error());
     BorderSweep sweep(tolerance_);
-    BucketFile::Writer writer(moves, buffer_bytes);
+    const std::uint64_t share = move_buffers_bytes / chunks_.tree.leaf_count();
+    const auto size = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(share, 512, buffer_bytes));
+    BucketFile::Writer writer(moves, size);
     std::deque<BorderPoint> waiting;
     std::optional<Vec3i> last;
     const auto pass_on = [&]() -> Result<void> {
@@ -252,9 +245,7 @@ class BorderWelder {
   }
 
   Result<void> move(const BucketFile& moves) {
-    Writers records([&] { return BucketFile::Writer(*out_.records_, buffer_bytes); });
-    Writers ordinals([&] { return BucketFile::Writer(*out_.ordinals_, buffer_bytes); });
-    auto done = for_chunks("welding the borders of a chunk", [&](std::uint32_t c) -> Result<void> {
+    return for_chunks("welding the borders of a chunk", [&](std::uint32_t c) -> Result<void> {
       if (moves.bytes(c) == 0) return {};
       const auto bytes = moves.read(c);
       if (!bytes) return fail(bytes.error());
@@ -262,13 +253,14 @@ class BorderWelder {
       std::sort(targets.begin(), targets.end(), [](const Move& a, const Move& b) { return a.from < b.from; });
       const auto soup = soup_of(c);
       if (!soup) return fail(soup.error());
+      BucketFile::Writer records(*out_.records_, buffer_bytes), ordinals(*out_.ordinals_, buffer_bytes);
       for (std::size_t i = 0; i < soup->size(); ++i)
         if (soup->owners[i] == c)
-          if (auto r = move_triangle(*soup, i, targets, records.local(), ordinals.local()); !r) return r;
+          if (auto r = move_triangle(*soup, i, targets, records, ordinals); !r) return r;
+      if (auto r = records.flush(); !r) return r;
+      if (auto r = ordinals.flush(); !r) return r;
       return report(0);
     });
-    if (done) done = flush(records);
-    return done ? flush(ordinals) : done;
   }
 
   Result<void> move_triangle(const TriangleSoup& soup, std::size_t i, std::span<const Move> targets,
