@@ -48,6 +48,7 @@ struct Cut::Frame {
   bool at_rest = false;
   bool all_planned = false, blocked = false;  // blocked: a refinement found no triangles left
   bool coarsened = false, refined = false;
+  bool merges_wait = false;  // for their geomorphs
   std::uint32_t unlooked = 0;  // operations or blocks since the last look at the clock
   double undone_sse = 0;       // of what a budget left undone
 };
@@ -175,6 +176,7 @@ FanPath Cut::path_for(const Frame& f, const Sphere& bound) const {
 void Cut::plan(Frame& f) {
   coarsen_.clear();
   refine_.clear();
+  follow_merges(f);
   f.unlooked = 0;
   const auto ids = cache_->resident_ids();
   for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -208,6 +210,7 @@ void Cut::plan_page(Frame& f, PageId id, ResidentPage& page) {
 }
 
 void Cut::plan_fan(Frame& f, ResidentPage& page, std::uint32_t fan, double scale) {
+  if (geomorphs_.merging(page.id(), fan)) return;
   const FanState& state = page.fans()[fan];
   const auto children = page.children(state);
   std::uint16_t goal = count_up_to(children, scale, f.aim);
@@ -219,6 +222,40 @@ void Cut::plan_fan(Frame& f, ResidentPage& page, std::uint32_t fan, double scale
     coarsen_.add({sse_of(children[goal - 1u].error, scale), page.id(), fan, goal});
   else if (goal < state.applied)
     refine_.add({sse_of(children[state.applied - 1u].error, scale), page.id(), fan, goal});
+}
+
+/// Merges whose geomorphs are over are to be applied, those that the view no longer wants are let go.
+void Cut::follow_merges(Frame& f) {
+  geomorphs_.update(clock_());
+  const auto merges = geomorphs_.merges();
+  for (std::size_t i = merges.size(); i-- > 0;) {  // the last one takes the place of one that goes
+    const Geomorphs::Merge& m = geomorphs_.merges()[i];
+    const ResidentPage& page = *cache_->resident(m.page);
+    const auto children = page.children(page.fans()[m.fan]);
+    const double scale = f.scale.scale(page.sphere(m.fan), f.scale.page_factor(directory().pages[m.page].bound));
+    if (count_up_to(children, scale, f.aim) < m.goal) {
+      geomorphs_.call_off(static_cast<std::uint32_t>(i));
+      continue;
+    }
+    f.merges_wait = true;
+    if (m.due) coarsen_.add({sse_of(children[m.goal - 1u].error, scale), m.page, m.fan, m.goal});
+  }
+}
+
+/// True if a coarsening is left for later: until its geomorph is over, or until the one that it leans on is.
+bool Cut::waits(Frame& f, const Operation& op) {
+  if (!geomorphs_.on() && geomorphs_.idle()) return false;
+  const ResidentPage& page = *cache_->resident(op.page);
+  const bool due = geomorphs_.merging(op.page, op.fan);
+  if (geomorphs_.must_wait(page, op.fan, op.goal)) {
+    f.merges_wait = true;
+    if (!due) geomorphs_.postpone(page, op.fan, op.goal);
+    return true;
+  }
+  if (due || !geomorphs_.on() || page.path() == FanPath::coarse || !geomorphs_.has_room()) return false;
+  geomorphs_.begin_merge(page, op.fan, op.goal);
+  f.merges_wait = true;
+  return true;
 }
 
 /// @return false if the upload budget has no room for it.
@@ -235,6 +272,10 @@ bool Cut::move(Frame& f, const Operation& op, std::uint16_t goal) {
   const bool whole = before.child_count > 1 && (before.applied == 0 ? goal == before.child_count
                                                                     : goal == 0 && before.applied == before.child_count);
   page.move_fan(op.fan, goal);
+  if (goal > before.applied)
+    geomorphs_.vanish(page, op.fan, before.applied, goal);
+  else if (geomorphs_.on() && page.path() == FanPath::fine && geomorphs_.has_room())
+    geomorphs_.grow(page, op.fan, goal, before.applied);
   if (whole)
     ++f.report.coarse_operations;
   else
@@ -255,6 +296,7 @@ bool Cut::coarsen(Frame& f) {
         return false;
       }
     }
+    if (waits(f, *op)) continue;
     if (!move(f, *op, op->goal)) return false;
   }
   return true;
@@ -296,7 +338,7 @@ bool Cut::refine(Frame& f) {
 
 /// Where nothing is left to do at this threshold: is it the least that the triangle budget allows?
 void Cut::rest(Frame& f) {
-  const bool done = f.all_planned && f.coarsened && f.refined && f.report.pages_missing == 0;
+  const bool done = f.all_planned && f.coarsened && f.refined && f.report.pages_missing == 0 && !f.merges_wait;
   const bool moved = f.report.coarse_operations + f.report.fine_operations + f.report.pages_loaded > 0;
   if (!done || moved || (still_frames_ == 0 && !f.at_rest)) return;
   const bool free = !f.blocked && f.aim == f.floor;
@@ -323,7 +365,7 @@ AdaptReport Cut::adapt(const ErrorScale& scale, double tau, const Budgets& budge
   Frame f{scale, tau, budgets, report, start};
   f.upload_start = pool.upload_bytes();
   report.pages_loaded = cache_->take_in(frame_, budgets.upload_bytes);
-  if (settled_ && report.pages_loaded == 0) {
+  if (settled_ && report.pages_loaded == 0 && geomorphs_.idle()) {
     report = report_;
     report.coarse_operations = report.fine_operations = report.blocks_tested = 0;
     report.upload_bytes = 0;
@@ -355,7 +397,8 @@ AdaptReport Cut::adapt(const ErrorScale& scale, double tau, const Budgets& budge
   report.triangles = pool.active_triangles();
   report.achieved = f.all_planned ? std::max(f.aim, f.undone_sse) : infinity;
   report.resident_bytes = cache_->resident_bytes();
-  report.upload_bytes = pool.upload_bytes() - f.upload_start;
+  report.morphing = static_cast<std::uint32_t>(geomorphs_.vertices());
+  report.upload_bytes = pool.upload_bytes() - f.upload_start + report.morphing * sizeof(DrawVertex);
   report.adapt_ms = clock_() - f.start_ms;
   const auto share = [](double used, double budget) { return used / budget; };
   load_ = std::max({share(static_cast<double>(report.triangles), static_cast<double>(budgets.triangles)),
@@ -369,6 +412,8 @@ AdaptReport Cut::settle(const ErrorScale& scale, double tau, const Budgets& budg
   AdaptReport sum;
   follow(scale, tau, budgets);
   still_frames_ = frames_to_rest;
+  const double blends_ms = geomorphs_.duration_ms();
+  geomorphs_.set_duration_ms(0);
   for (int call = 0; call < max_calls; ++call) {
     AdaptReport last = adapt(scale, tau, budgets);
     if (last.pages_missing > 0 && last.bound_by != Binding::adapt_time) cache_->wait();
@@ -376,6 +421,7 @@ AdaptReport Cut::settle(const ErrorScale& scale, double tau, const Budgets& budg
     sum = last;
     if (sum.settled) break;
   }
+  geomorphs_.set_duration_ms(blends_ms);
   sum.achieved = achieved(scale);
   return sum;
 }
@@ -408,7 +454,13 @@ DrawList Cut::draw_list(const std::optional<ErrorScale>& seen_from) {
     runs_.push_back(cache_->resident(id)->run());
     drawn_.push_back(id);
   }
-  return cache_->pool().draw_list(directory().grid, runs_, drawn_);
+  DrawList list = cache_->pool().draw_list(directory().grid, runs_, drawn_);
+  list.morphed = geomorphs_.morphed();
+  changed_vertices_.assign(list.changed_vertices.begin(), list.changed_vertices.end());
+  const auto restored = geomorphs_.take_restored();
+  changed_vertices_.insert(changed_vertices_.end(), restored.begin(), restored.end());
+  list.changed_vertices = changed_vertices_;
+  return list;
 }
 
 }  // namespace cuesta

@@ -12,6 +12,7 @@
 #include "hierarchy/cuesta_file.h"
 #include "runtime/draw_list.h"
 #include "runtime/error_scale.h"
+#include "runtime/geomorph.h"
 #include "runtime/operation_order.h"
 #include "runtime/page_cache.h"
 #include "runtime/page_demand.h"
@@ -45,6 +46,7 @@ struct AdaptReport {
   std::uint32_t fine_operations = 0;    ///< single substitutions applied or undone
   std::uint32_t pages_loaded = 0;       ///< that became resident
   std::uint32_t pages_missing = 0;      ///< wanted, but not there yet
+  std::uint32_t morphing = 0;           ///< vertices in the middle of a geomorph
   std::uint32_t blocks_tested = 0;      ///< of ActiveNodes::block fans
   double tau = 0;       ///< threshold aimed at: the user's, or larger where a budget binds
   double achieved = 0;  ///< bound of the sse of applied substitutions, infinite while that is not known: pixels,
@@ -90,6 +92,8 @@ class Cut {
   double achieved(const ErrorScale& scale) const;
 
   void set_path_policy(PathPolicy policy) { policy_ = policy, settled_ = false; }
+  /// Length of the blends on the fine path; 0, the default: none. settle() ends all that are under way.
+  void set_geomorph_ms(double ms) { geomorphs_.set_duration_ms(ms); }
   /// Draw lists say how each triangle came to be drawn.
   void set_tagging(bool on) { cache_->pool().set_tagging(on); }
 
@@ -101,7 +105,8 @@ class Cut {
   DrawList draw_list(const std::optional<ErrorScale>& seen_from);
 
  private:
-  Cut(std::unique_ptr<PageCache> cache, Clock clock) : cache_(std::move(cache)), clock_(std::move(clock)) {}
+  Cut(std::unique_ptr<PageCache> cache, Clock clock)
+      : cache_(std::move(cache)), clock_(std::move(clock)), geomorphs_(cache_->pool()) {}
   struct Frame;
   void follow(const ErrorScale& scale, double tau, const Budgets& budgets);
   void choose_tau(Frame& f);
@@ -112,6 +117,8 @@ class Cut {
   void plan(Frame& f);
   void plan_page(Frame& f, PageId id, ResidentPage& page);
   void plan_fan(Frame& f, ResidentPage& page, std::uint32_t fan, double scale);
+  void follow_merges(Frame& f);
+  bool waits(Frame& f, const Operation& op);
   bool move(Frame& f, const Operation& op, std::uint16_t goal);
   bool coarsen(Frame& f);
   bool refine(Frame& f);
@@ -131,6 +138,7 @@ class Cut {
   double nearest_ = 0;              // distance of the nearest page on the cut, grid units
   PathPolicy policy_ = PathPolicy::by_motion;
 
+  Geomorphs geomorphs_;
   PageDemand demand_, predicted_;
   Regulator regulator_;
   TriangleDemand triangle_demand_;
@@ -142,6 +150,7 @@ class Cut {
   std::vector<std::uint32_t> candidates_;
   std::vector<GeometryPool::RunId> runs_;
   std::vector<PageId> drawn_;
+  std::vector<Range> changed_vertices_;
 };
 
 }  // namespace cuesta

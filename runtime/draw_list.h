@@ -23,6 +23,12 @@ struct Range {
   std::uint32_t count;
 };
 
+/// A vertex in the middle of a geomorph.
+struct MorphedVertex {
+  std::uint32_t slot;
+  DrawVertex vertex;
+};
+
 /// How a triangle came to be drawn in the last adapt(), for debug views.
 enum class TriangleTag : std::uint8_t { unchanged = 0, coarse = 1, fine = 2 };
 
@@ -35,6 +41,7 @@ struct DrawList {
   std::span<const Range> draws;             ///< ranges of `indices`, one per page with something to draw
   std::span<const Range> changed_vertices;  ///< ranges of `vertices` to upload since the last frame
   std::span<const Range> changed_indices;
+  std::span<const MorphedVertex> morphed = {};  ///< drawn instead of what `vertices` holds, in this frame
   // For debug views; empty where the owner does not keep them.
   std::span<const std::uint32_t> draw_pages = {};   ///< page of each of `draws`
   std::span<const std::uint8_t> triangle_tags = {};  ///< a TriangleTag per triangle of `indices`

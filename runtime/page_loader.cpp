@@ -62,7 +62,7 @@ class InlineLoader : public PageLoader {
 /// A page may come a frame later; a frame may not.
 void yield_to_frames() {
 #ifdef __linux__
-  constexpr int lower = 10;
+  constexpr int lower = 5;
   (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), lower);  // of the calling thread alone
 #endif
 }

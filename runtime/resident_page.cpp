@@ -91,11 +91,8 @@ void ResidentPage::tag_changes(std::size_t fan, std::uint16_t from, std::uint8_t
   const FanState& f = fans_[fan];
   const std::uint32_t first = f.first_child + std::min(f.applied, from);
   const std::uint32_t last = f.first_child + std::max(f.applied, from);
-  for (std::uint32_t k = first; k < last; ++k) {
-    const ChildState& c = children_[k];
-    for (std::uint32_t e = c.first_entry; e < children_[k + 1].first_entry; ++e)
-      pool_.tag(e < c.first_entry + c.removed ? entries_[e] : entries_[e] / 4, kind);
-  }
+  for (std::uint32_t k = first; k < last; ++k)
+    for_each_changed(children_[k], [&](TriangleHandle t) { pool_.tag(t, kind); });
 }
 
 std::uint64_t ResidentPage::bytes() const {

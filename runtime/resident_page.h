@@ -59,6 +59,12 @@ class ResidentPage {
   std::span<const ChildState> children(const FanState& f) const {
     return std::span(children_).subspan(f.first_child, f.child_count);
   }
+  /// Calls `visit` with every triangle that the substitution removes or modifies.
+  template <class Visit>
+  void for_each_changed(const ChildState& c, Visit visit) const {
+    const std::uint32_t modified = c.first_entry + c.removed, end = (&c + 1)->first_entry;
+    for (std::uint32_t e = c.first_entry; e < end; ++e) visit(e < modified ? entries_[e] : entries_[e] / 4);
+  }
   /// Takes the fan to `goal` applied substitutions, one at a time.   @pre joined ones are not torn apart.
   void move_fan(std::size_t fan, std::uint16_t goal);
   /// Triangles that undoing down to `goal` would add; entries that moving there would write.

@@ -26,6 +26,11 @@ class GlPool {
   void upload(std::span<const Element> pool, std::span<const Range> changed) {
     upload(std::as_bytes(pool), sizeof(Element), changed);
   }
+  /// One element that differs from the pool's.   @pre bound, uploaded.
+  template <class Element>
+  void put(std::uint32_t at, const Element& element) {
+    gl_.BufferSubData(target_, static_cast<GLintptr>(at * sizeof(Element)), sizeof(Element), &element);
+  }
 
  private:
   void upload(std::span<const std::byte> pool, std::size_t element_bytes, std::span<const Range> changed);

@@ -147,6 +147,7 @@ Result<void> GlRenderer::draw(const DrawList& list, const View& view, const Draw
   if (!context_->make_current()) return not_current();
   gl_.BindVertexArray(vertex_array_);
   vertices_.upload(list.vertices, list.changed_vertices);
+  for (const MorphedVertex& m : list.morphed) vertices_.put(m.slot, m.vertex);
   indices_.upload(list.indices, list.changed_indices);
   multi_draw_.set(list);
   const auto begun = target_.begin(view.width_px, view.height_px, options.antialias ? antialias_samples : 1);
