@@ -11,6 +11,8 @@ pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
 pkg_check_modules(DRACO REQUIRED IMPORTED_TARGET draco)
 pkg_check_modules(OSMESA REQUIRED IMPORTED_TARGET osmesa)
+pkg_check_modules(EGL REQUIRED egl)    # headers only, as of OSMesa: the libraries are loaded when they are used
+pkg_check_modules(GLFW REQUIRED glfw3)
 pkg_check_modules(PNG REQUIRED IMPORTED_TARGET libpng)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED CONFIG)

@@ -74,7 +74,7 @@ Picture FrameTarget::read() const {
   Picture picture{width_px_, height_px_, {}};
   const std::size_t width = static_cast<std::size_t>(width_px_);
   picture.pixels.resize(width * static_cast<std::size_t>(height_px_));
-  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, samples_ > 1 ? resolved_.framebuffer : drawn_.framebuffer);
+  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, this->picture());
   gl_.ReadPixels(0, 0, width_px_, height_px_, GL_RGBA, GL_UNSIGNED_BYTE, picture.pixels.data());
   auto top = picture.pixels.begin();  // OpenGL's rows start at the bottom
   auto bottom = picture.pixels.end() - width_px_;

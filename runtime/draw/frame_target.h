@@ -22,6 +22,10 @@ class FrameTarget {
   Result<void> begin(int width_px, int height_px, int samples_wanted);
   /// Resolves the samples into the picture.
   void end();
+  /// Holds the picture of the last `end()`: one sample per pixel. 0 before that.
+  GLuint picture() const { return samples_ > 1 ? resolved_.framebuffer : drawn_.framebuffer; }
+  int width_px() const { return width_px_; }
+  int height_px() const { return height_px_; }
   /// The picture of the last `end()`; empty before that.
   Picture read() const;
 

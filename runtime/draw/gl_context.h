@@ -1,6 +1,7 @@
 #pragma once
 /// An OpenGL 3.3 core context, however it was obtained.
 
+#include <cstdint>
 #include <memory>
 #include <string_view>
 
@@ -23,7 +24,20 @@ class GlContext {
 };
 
 /// Off-screen context without any display or GPU (OSMesa, llvmpipe). The size is of its default framebuffer.
-/// @error io if Mesa gives no 3.3 core context.
+/// @error not_found without the library; io if Mesa gives no 3.3 core context.
 Result<std::unique_ptr<GlContext>> make_osmesa_context(int width_px = 16, int height_px = 16);
+
+/// Off-screen context by EGL, which needs no display: of the first GPU that gives one, else of a software
+/// renderer (device platform, then Mesa's surfaceless platform, then the default display).
+/// @error not_found without the library; io, saying what was tried, if nothing gives a 3.3 core context.
+Result<std::unique_ptr<GlContext>> make_egl_context();
+
+enum class OffscreenContext : std::uint8_t { automatic, egl, osmesa };
+
+/// @param kind  automatic: EGL, and OSMesa where EGL gives none.
+/// Threads: a thread that has used one kind must not use the other, for both may bring their own copy of
+/// Mesa.
+/// @error of the kind asked for; of both if none can be had.
+Result<std::unique_ptr<GlContext>> make_offscreen_context(OffscreenContext kind);
 
 }  // namespace cuesta

@@ -10,19 +10,25 @@ namespace cuesta {
 
 // X(type, name without "gl")
 #define CUESTA_GL_FUNCTIONS(X)                                               \
+  X(PFNGLACTIVETEXTUREPROC, ActiveTexture)                                   \
   X(PFNGLATTACHSHADERPROC, AttachShader)                                     \
   X(PFNGLBINDBUFFERPROC, BindBuffer)                                         \
   X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                               \
   X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                             \
+  X(PFNGLBINDTEXTUREPROC, BindTexture)                                       \
   X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                               \
+  X(PFNGLBLENDFUNCPROC, BlendFunc)                                           \
   X(PFNGLBLITFRAMEBUFFERPROC, BlitFramebuffer)                               \
   X(PFNGLBUFFERDATAPROC, BufferData)                                         \
   X(PFNGLBUFFERSUBDATAPROC, BufferSubData)                                   \
   X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)                 \
   X(PFNGLCLEARPROC, Clear)                                                   \
+  X(PFNGLCLEARBUFFERFVPROC, ClearBufferfv)                                   \
+  X(PFNGLCLEARBUFFERUIVPROC, ClearBufferuiv)                                 \
   X(PFNGLCLEARCOLORPROC, ClearColor)                                         \
   X(PFNGLCLEARDEPTHPROC, ClearDepth)                                         \
   X(PFNGLCOMPILESHADERPROC, CompileShader)                                   \
+  X(PFNGLCOPYBUFFERSUBDATAPROC, CopyBufferSubData)                           \
   X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                   \
   X(PFNGLCREATESHADERPROC, CreateShader)                                     \
   X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                   \
@@ -30,15 +36,21 @@ namespace cuesta {
   X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                   \
   X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                       \
   X(PFNGLDELETESHADERPROC, DeleteShader)                                     \
+  X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                 \
   X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)                         \
   X(PFNGLDEPTHFUNCPROC, DepthFunc)                                           \
   X(PFNGLDISABLEPROC, Disable)                                               \
+  X(PFNGLDRAWARRAYSPROC, DrawArrays)                                         \
+  X(PFNGLDRAWARRAYSINSTANCEDPROC, DrawArraysInstanced)                       \
+  X(PFNGLDRAWELEMENTSPROC, DrawElements)                                     \
   X(PFNGLENABLEPROC, Enable)                                                 \
   X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)               \
   X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)               \
+  X(PFNGLFRAMEBUFFERTEXTURE2DPROC, FramebufferTexture2D)                     \
   X(PFNGLGENBUFFERSPROC, GenBuffers)                                         \
   X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                               \
   X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                             \
+  X(PFNGLGENTEXTURESPROC, GenTextures)                                       \
   X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                               \
   X(PFNGLGETERRORPROC, GetError)                                             \
   X(PFNGLGETINTEGERVPROC, GetIntegerv)                                       \
@@ -46,6 +58,7 @@ namespace cuesta {
   X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                     \
   X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                             \
   X(PFNGLGETSHADERIVPROC, GetShaderiv)                                       \
+  X(PFNGLGETSTRINGPROC, GetString)                                           \
   X(PFNGLGETSTRINGIPROC, GetStringi)                                         \
   X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                         \
   X(PFNGLLINKPROGRAMPROC, LinkProgram)                                       \
@@ -53,12 +66,17 @@ namespace cuesta {
   X(PFNGLREADPIXELSPROC, ReadPixels)                                         \
   X(PFNGLRENDERBUFFERSTORAGEMULTISAMPLEPROC, RenderbufferStorageMultisample) \
   X(PFNGLSHADERSOURCEPROC, ShaderSource)                                     \
+  X(PFNGLTEXBUFFERPROC, TexBuffer)                                           \
+  X(PFNGLTEXIMAGE2DPROC, TexImage2D)                                         \
+  X(PFNGLTEXPARAMETERIPROC, TexParameteri)                                   \
   X(PFNGLUNIFORM1FPROC, Uniform1f)                                           \
+  X(PFNGLUNIFORM1IPROC, Uniform1i)                                           \
   X(PFNGLUNIFORM2FPROC, Uniform2f)                                           \
   X(PFNGLUNIFORM3FPROC, Uniform3f)                                           \
   X(PFNGLUNIFORM3IPROC, Uniform3i)                                           \
   X(PFNGLUNIFORMMATRIX3FVPROC, UniformMatrix3fv)                             \
   X(PFNGLUSEPROGRAMPROC, UseProgram)                                         \
+  X(PFNGLVERTEXATTRIBDIVISORPROC, VertexAttribDivisor)                       \
   X(PFNGLVERTEXATTRIBIPOINTERPROC, VertexAttribIPointer)                     \
   X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                       \
   X(PFNGLVIEWPORTPROC, Viewport)

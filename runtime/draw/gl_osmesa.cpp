@@ -1,11 +1,11 @@
 #include <GL/osmesa.h>
-#include <dlfcn.h>
 
 #include <cstdint>
 #include <vector>
 
 #include "ooc/check.h"
 #include "runtime/draw/gl_context.h"
+#include "runtime/draw/shared_library.h"
 
 namespace cuesta {
 namespace {
@@ -20,22 +20,16 @@ struct OsMesa {
   decltype(&OSMesaGetProcAddress) proc = nullptr;
 };
 
-template <class F>
-bool find(void* library, const char* name, F& function) {
-  function = reinterpret_cast<F>(::dlsym(library, name));
-  return function != nullptr;
-}
-
 /// Null if the system has no OSMesa. Stays loaded.
 const OsMesa* osmesa() {
   static const OsMesa functions = [] {
     OsMesa f;
     void* const library = ::dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
-    const bool found = library && find(library, "OSMesaCreateContextAttribs", f.create) &&
-                       find(library, "OSMesaDestroyContext", f.destroy) &&
-                       find(library, "OSMesaMakeCurrent", f.make_current) &&
-                       find(library, "OSMesaGetCurrentContext", f.current) &&
-                       find(library, "OSMesaGetProcAddress", f.proc);
+    const bool found = library && find_function(library, "OSMesaCreateContextAttribs", f.create) &&
+                       find_function(library, "OSMesaDestroyContext", f.destroy) &&
+                       find_function(library, "OSMesaMakeCurrent", f.make_current) &&
+                       find_function(library, "OSMesaGetCurrentContext", f.current) &&
+                       find_function(library, "OSMesaGetProcAddress", f.proc);
     return found ? f : OsMesa{};
   }();
   return functions.proc ? &functions : nullptr;
@@ -55,7 +49,8 @@ class OsMesaContext final : public GlContext {
 
   bool make_current() override {
     if (library_.current() == context_) return true;
-    return library_.make_current(context_, pixels_.data(), GL_UNSIGNED_BYTE, width_px_, height_px_) == GL_TRUE;
+    return library_.make_current(context_, pixels_.data(), GL_UNSIGNED_BYTE, width_px_, height_px_) ==
+           GL_TRUE;
   }
   GlProc proc(const char* name) const override { return library_.proc(name); }
   std::string_view kind() const override { return "osmesa"; }

@@ -1,22 +1,24 @@
 #include "runtime/draw/renderer.h"
 
+#include <array>
 #include <cmath>
-#include <cstddef>
-#include <limits>
 #include <optional>
+#include <vector>
 
 #include "ooc/check.h"
 #include "runtime/draw/camera_matrices.h"
 #include "runtime/draw/frame_target.h"
-#include "runtime/draw/gl_pool.h"
 #include "runtime/draw/gl_program.h"
+#include "runtime/draw/gpu_object.h"
+#include "runtime/draw/page_borders.h"
 #include "runtime/draw/surface_shaders.h"
+#include "runtime/draw/text_painter.h"
 
 namespace cuesta {
 namespace {
 
 constexpr int antialias_samples = 4;
-constexpr std::size_t shading_count = 3;
+constexpr std::size_t shading_count = 5;
 
 float linear_from_srgb(std::uint8_t value) {
   const double c = value / 255.0;
@@ -31,76 +33,47 @@ tl::unexpected<Error> not_current() {
   return fail(ErrorCode::io, "", "", "the OpenGL context cannot be made current");
 }
 
-/// The draw ranges in the form of glMultiDrawElements; kept to be reused.
-struct MultiDraw {
-  std::vector<GLsizei> counts;
-  std::vector<const void*> offsets;
-
-  void set(const DrawList& list) {
-    counts.clear();
-    offsets.clear();
-    for (const Range& range : list.draws) {
-      CUESTA_CHECK(std::uint64_t{range.first} + range.count <= list.indices.size(), range.first, range.count);
-      CUESTA_CHECK(range.count <= static_cast<std::uint32_t>(std::numeric_limits<GLsizei>::max()),
-                   range.count);
-      counts.push_back(static_cast<GLsizei>(range.count));
-      offsets.push_back(reinterpret_cast<const void*>(std::uintptr_t{range.first} * sizeof(std::uint32_t)));
-    }
-  }
-};
-
 class GlRenderer final : public Renderer {
  public:
   GlRenderer(std::unique_ptr<GlContext> context, const GlFunctions& gl);
   ~GlRenderer() override {
     context_->make_current();  // the members' destructors delete from it
-    gl_.DeleteVertexArrays(1, &vertex_array_);
   }
   GlRenderer(const GlRenderer&) = delete;
   GlRenderer& operator=(const GlRenderer&) = delete;
 
+  using Renderer::draw;
   /// Compiles every shading, so that a driver's refusal shows at once.
   Result<void> compile();
-  Result<void> draw(const DrawList& list, const View& view, const DrawOptions& options) override;
+  Result<void> draw(std::span<const DrawList> lists, const View& view, const DrawOptions& options) override;
   Result<Picture> read() override;
+  Result<void> show(int width_px, int height_px, std::span<const TextBlock> text, int text_scale) override;
+  UploadReport uploads() const override { return {uploads_.bytes, uploads_.calls}; }
+  const std::string& driver() const override { return driver_; }
 
  private:
-  void describe_vertices();
+  void upload(std::span<const DrawList> lists);
   void set_state(const DrawOptions& options);
   void set_uniforms(const GlProgram& program, const CameraMatrices& camera, const DrawOptions& options);
+  void draw_objects(std::span<const DrawList> lists, const View& view, const DrawOptions& options);
+  void draw_page_numbers(std::span<const DrawList> lists, const View& view, const DrawOptions& options);
 
   std::unique_ptr<GlContext> context_;
   GlFunctions gl_;
+  std::string driver_;
   std::array<std::optional<GlProgram>, shading_count> programs_;
-  GLuint vertex_array_ = 0;
-  GlPool vertices_;
-  GlPool indices_;
+  std::vector<std::unique_ptr<GpuObject>> objects_;
   FrameTarget target_;
-  MultiDraw multi_draw_;
+  PageBorders borders_;
+  TextPainter text_;
+  UploadCount uploads_;
 };
 
 GlRenderer::GlRenderer(std::unique_ptr<GlContext> context, const GlFunctions& gl)
-    : context_(std::move(context)),
-      gl_(gl),
-      vertices_(gl_, GL_ARRAY_BUFFER),
-      indices_(gl_, GL_ELEMENT_ARRAY_BUFFER),
-      target_(gl_) {
-  gl_.GenVertexArrays(1, &vertex_array_);
-  describe_vertices();
-}
-
-void GlRenderer::describe_vertices() {
-  const auto offset = [](std::size_t bytes) { return reinterpret_cast<const void*>(bytes); };
-  constexpr GLsizei stride = sizeof(DrawVertex);
-  gl_.BindVertexArray(vertex_array_);
-  vertices_.bind();
-  gl_.VertexAttribIPointer(position_attribute, 3, GL_INT, stride, offset(offsetof(DrawVertex, x)));
-  gl_.VertexAttribIPointer(normal_attribute, 2, GL_SHORT, stride, offset(offsetof(DrawVertex, normal_u)));
-  gl_.VertexAttribPointer(colour_attribute, 4, GL_UNSIGNED_BYTE, GL_TRUE, stride,
-                          offset(offsetof(DrawVertex, colour)));
-  for (const GLuint attribute : {position_attribute, normal_attribute, colour_attribute})
-    gl_.EnableVertexAttribArray(attribute);
-  indices_.bind();
+    : context_(std::move(context)), gl_(gl), target_(gl_), borders_(gl_), text_(gl_) {
+  const GLubyte* const name = gl_.GetString(GL_RENDERER);
+  driver_ =
+      std::string(context_->kind()) + ", " + (name ? reinterpret_cast<const char*>(name) : "unnamed driver");
 }
 
 Result<void> GlRenderer::compile() {
@@ -109,6 +82,8 @@ Result<void> GlRenderer::compile() {
     if (!program) return fail(program.error());
     programs_[i].emplace(std::move(*program));
   }
+  if (auto ok = borders_.compile(gl_.ClipControl == nullptr); !ok) return ok;
+  if (auto ok = text_.compile(); !ok) return ok;
   return check_gl_errors(gl_, "setting up");
 }
 
@@ -143,22 +118,62 @@ void GlRenderer::set_uniforms(const GlProgram& program, const CameraMatrices& ca
   gl_.Uniform3f(program.uniform("fill_direction"), fill.x, fill.y, fill.z);
 }
 
-Result<void> GlRenderer::draw(const DrawList& list, const View& view, const DrawOptions& options) {
+/// Depths of objects with different grids must compare: their near planes are at one place of the world.
+CameraMatrices camera_of(std::span<const DrawList> lists, std::size_t object, const View& view) {
+  double finest = lists[object].grid.step;
+  for (const DrawList& list : lists) finest = std::min(finest, list.grid.step);
+  CameraMatrices camera = camera_matrices(view, lists[object].grid);
+  camera.near_units *= static_cast<float>(finest / lists[object].grid.step);
+  return camera;
+}
+
+void GlRenderer::upload(std::span<const DrawList> lists) {
+  objects_.resize(lists.size());
+  uploads_ = {};
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    if (!objects_[i]) objects_[i] = std::make_unique<GpuObject>(gl_);
+    uploads_ = uploads_ + objects_[i]->upload(lists[i]);
+  }
+}
+
+void GlRenderer::draw_objects(std::span<const DrawList> lists, const View& view, const DrawOptions& options) {
+  const GlProgram& program = *programs_[static_cast<std::size_t>(options.shading)];
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    set_uniforms(program, camera_of(lists, i, view), options);
+    if (options.shading == Shading::pages) {
+      objects_[i]->draw_pages(lists[i], program.uniform("page"), 0);
+    } else if (options.shading == Shading::changes) {
+      uploads_ = uploads_ + objects_[i]->upload_tags(lists[i], program);
+      objects_[i]->draw_tagged(program.uniform("first_triangle"));
+    } else {
+      objects_[i]->draw();
+    }
+  }
+}
+
+void GlRenderer::draw_page_numbers(std::span<const DrawList> lists, const View& view,
+                                   const DrawOptions& options) {
+  constexpr GLint pages_of_an_object = 1 << 22;  // numbers of objects that share one would only hide a line
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    set_uniforms(borders_.numbers(), camera_of(lists, i, view), options);
+    objects_[i]->draw_pages(lists[i], borders_.numbers().uniform("page"),
+                            static_cast<GLint>(i % 256) * pages_of_an_object);
+  }
+}
+
+Result<void> GlRenderer::draw(std::span<const DrawList> lists, const View& view, const DrawOptions& options) {
   if (!context_->make_current()) return not_current();
-  gl_.BindVertexArray(vertex_array_);
-  vertices_.upload(list.vertices, list.changed_vertices);
-  for (const MorphedVertex& m : list.morphed) vertices_.put(m.slot, m.vertex);
-  indices_.upload(list.indices, list.changed_indices);
-  multi_draw_.set(list);
+  upload(lists);
   const auto begun = target_.begin(view.width_px, view.height_px, options.antialias ? antialias_samples : 1);
   if (!begun) return begun;
   set_state(options);
-  set_uniforms(*programs_[static_cast<std::size_t>(options.shading)], camera_matrices(view, list.grid),
-               options);
-  if (!multi_draw_.counts.empty())
-    gl_.MultiDrawElements(GL_TRIANGLES, multi_draw_.counts.data(), GL_UNSIGNED_INT,
-                          multi_draw_.offsets.data(), static_cast<GLsizei>(multi_draw_.counts.size()));
+  draw_objects(lists, view, options);
   target_.end();
+  if (options.page_borders) {
+    if (auto r = borders_.begin(view.width_px, view.height_px); !r) return r;
+    draw_page_numbers(lists, view, options);
+    borders_.draw_onto(target_.picture());
+  }
   return check_gl_errors(gl_, "drawing");
 }
 
@@ -168,6 +183,20 @@ Result<Picture> GlRenderer::read() {
   if (picture.pixels.empty()) return fail(ErrorCode::invalid_input, "", "", "nothing has been drawn yet");
   if (auto ok = check_gl_errors(gl_, "reading the picture"); !ok) return fail(ok.error());
   return picture;
+}
+
+Result<void> GlRenderer::show(int width_px, int height_px, std::span<const TextBlock> text, int text_scale) {
+  if (!context_->make_current()) return not_current();
+  const bool same_size = width_px == target_.width_px() && height_px == target_.height_px();
+  gl_.Disable(GL_FRAMEBUFFER_SRGB);  // the bytes as they are
+  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, target_.picture());
+  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+  gl_.BlitFramebuffer(0, 0, target_.width_px(), target_.height_px(), 0, 0, width_px, height_px,
+                      GL_COLOR_BUFFER_BIT, same_size ? GL_NEAREST : GL_LINEAR);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, 0);
+  gl_.Viewport(0, 0, width_px, height_px);
+  text_.draw(lay_out(text, text_scale, width_px, height_px), width_px, height_px);
+  return check_gl_errors(gl_, "showing the picture");
 }
 
 }  // namespace

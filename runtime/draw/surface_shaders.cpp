@@ -89,7 +89,34 @@ uniform float near_units;
 uniform vec3 key_direction;   // camera frame, unit, towards the light
 uniform vec3 fill_direction;
 
+#ifdef PAGES
+uniform int page;
+#endif
+#ifdef CHANGES
+uniform usamplerBuffer triangle_tags;  // one per triangle of the pool
+uniform int tag_count;
+uniform int first_triangle;            // of the range that is drawn
+#endif
+
 out vec4 pixel;
+
+#ifdef PAGES
+/// Successive numbers get hues far apart, and three brightnesses.
+vec3 page_colour() {
+  float turn = 6.2831853 * fract(float(page) * 0.61803399);
+  vec3 hue = 0.5 + 0.5 * cos(turn + vec3(0.0, 2.0944, 4.1888));
+  return mix(vec3(0.55), hue, 0.75) * (1.0 - 0.22 * float(page % 3));
+}
+#endif
+#ifdef CHANGES
+/// Unchanged light, the coarse path grey, the fine path dark: Figures 8 to 10 of the fan-hierarchy paper.
+vec3 change_colour() {
+  const vec3 shades[3] = vec3[3](vec3(0.80), vec3(0.28), vec3(0.03));
+  int triangle = first_triangle + gl_PrimitiveID;
+  uint tag = triangle < tag_count ? texelFetch(triangle_tags, triangle).r : 0u;
+  return shades[min(tag, 2u)];
+}
+#endif
 
 const vec3 key_light = vec3(0.91, 0.86, 0.77);
 const vec3 fill_light = vec3(0.115, 0.145, 0.190);
@@ -141,7 +168,14 @@ float edge_coverage() {
 
 void main() {
   vec3 n = shading_normal();
-  vec3 colour = gl_FrontFacing ? surface.colour : back_face_colour;
+#if defined(PAGES)
+  vec3 own_colour = page_colour();
+#elif defined(CHANGES)
+  vec3 own_colour = change_colour();
+#else
+  vec3 own_colour = surface.colour;
+#endif
+  vec3 colour = gl_FrontFacing ? own_colour : back_face_colour;
 #ifdef NORMALS
   vec3 coded = 0.5 + 0.5 * n;  // the target encodes sRGB: undo it, so that the stored bytes are the normal
   vec3 shade = mix(coded / 12.92, pow((coded + 0.055) / 1.055, vec3(2.4)), greaterThan(coded, vec3(0.04045)));
@@ -158,13 +192,43 @@ void main() {
 }
 )";
 
+constexpr const char* page_number_text = R"(
+in Surface {
+  vec3 position;
+  vec3 normal;
+  vec3 colour;
+} surface;
+
+uniform float near_units;
+uniform int page;
+
+out uint number;
+
+void main() {
+  number = uint(page) + 1u;
+#ifdef FRAGMENT_DEPTH
+  gl_FragDepth = near_units / -surface.position.z;
+#endif
+}
+)";
+
+std::string head_of(bool fragment_depth) {
+  return std::string("#version 330 core\n") + (fragment_depth ? "#define FRAGMENT_DEPTH\n" : "");
+}
+
 }  // namespace
 
+ShaderSources page_number_shaders(bool fragment_depth) {
+  const std::string head = head_of(fragment_depth);
+  return {head + vertex_text, "", head + page_number_text};
+}
+
 ShaderSources surface_shaders(Shading shading, bool fragment_depth) {
-  std::string head = "#version 330 core\n";
-  if (fragment_depth) head += "#define FRAGMENT_DEPTH\n";
+  std::string head = head_of(fragment_depth);
   if (shading == Shading::normals) head += "#define NORMALS\n";
   if (shading == Shading::wireframe) head += "#define WIREFRAME\n";
+  if (shading == Shading::changes) head += "#define CHANGES\n";
+  if (shading == Shading::pages) head += "#define PAGES\n";
   ShaderSources sources{head + vertex_text, "", head + fragment_text};
   if (shading == Shading::wireframe) sources.geometry = head + wireframe_geometry_text;
   return sources;

@@ -12,6 +12,10 @@ enum SurfaceAttribute : GLuint { position_attribute = 0, normal_attribute = 1, c
 /// @param fragment_depth  the fragment shader writes the reversed depth itself (slower: no early depth test),
 /// for
 ///                        drivers without glClipControl.
+/// Uniforms of each drawn range: `page` for Shading::pages; `first_triangle` for Shading::changes, which also
+/// has the buffer texture `triangle_tags` and its length `tag_count`.
 ShaderSources surface_shaders(Shading shading, bool fragment_depth);
+/// Writes `page` + 1 into an unsigned integer target; 0 is left where nothing is drawn.
+ShaderSources page_number_shaders(bool fragment_depth);
 
 }  // namespace cuesta

@@ -108,12 +108,22 @@ TEST(DrawUploads, OnlyChangedRangesReachTheGpu) {
   EXPECT_EQ(compare(draw(scene, view), draw(*renderer, scene, view)).max_channel, 0);
 }
 
-TEST(DrawUploads, AGrownPoolIsUploadedWhole) {
+TEST(DrawUploads, AGrownPoolKeepsWhatItHadAndTakesWhatChanged) {
   const auto renderer = make_renderer();
   const View view = view_from_front(3000);
-  for (const int levels : {1, 2, 4}) {
-    const Scene scene = sphere(levels, 1000);
-    EXPECT_EQ(compare(draw(scene, view), draw(*renderer, scene, view)).max_channel, 0) << levels;
+  Scene scene = sphere(4, 1000);
+  draw(*renderer, scene, view);
+  for (const std::int32_t y : {0, -500, 500}) {
+    const auto vertices = static_cast<std::uint32_t>(scene.vertices.size());
+    const auto indices = static_cast<std::uint32_t>(scene.indices.size());
+    for (int i = 0; i < 1000; ++i)
+      scene.add_triangle({-800 + i, y, 1200}, {800, y, 1200}, {0, y + 200, 1200}, {255, 0, 0, 255});
+    scene.draw_all();
+    scene.changed_vertices = {{vertices, 3000}};
+    scene.changed_indices = {{indices, 3000}};
+    EXPECT_EQ(compare(draw(scene, view), draw(*renderer, scene, view)).max_channel, 0);
+    EXPECT_EQ(renderer->uploads().bytes, 3000 * (sizeof(DrawVertex) + 4));
+    EXPECT_EQ(renderer->uploads().calls, 2u);
   }
 }
 
