@@ -19,6 +19,7 @@
 #include "apps/cuesta/render_command.h"
 #include "apps/cuesta/text_forms.h"
 #include "apps/cuesta/verify_command.h"
+#include "apps/cuesta/view_command.h"
 #include "hierarchy/page_codec.h"
 
 namespace cuesta::app {
@@ -55,7 +56,7 @@ struct Command {
 };
 
 /// An option whose words `parse` understands: it returns false for what it does not.
-CLI::Option* add_parsed(CLI::App* app, const char* name, const char* words, const char* what,
+CLI::Option* add_parsed(CLI::App* app, const char* name, const char* words, const std::string& what,
                         std::function<bool(const std::string&)> parse) {
   const auto read = [parse = std::move(parse), name, what](const CLI::results_t& given) {
     if (parse(given.front())) return true;
@@ -207,17 +208,30 @@ void add_info(CLI::App& program, Common& common) {
   c.runs(common, run_info);
 }
 
-void add_render_budgets(CLI::App* app, RenderSettings& s) {
+/// What render and view have in common, with the words for their defaults.
+struct BudgetDefaults {
+  const char *adapt, *upload, *threads;
+};
+template <class Settings>
+void add_render_budgets(CLI::App* app, Settings& s, const BudgetDefaults& defaults) {
   app->add_option("--tau", s.tau_px, "screen-space error to aim at, in pixels; default 1")
       ->type_name("PX")
       ->check(CLI::NonNegativeNumber);
   app->add_option("--triangles", s.budgets.triangles, "never more triangles than this; default: no limit")
       ->type_name("N");
-  app->add_option("--adapt-ms", s.budgets.adapt_ms, "time for changing the cut in a frame; default: no limit")
+  app->add_option("--adapt-ms", s.budgets.adapt_ms,
+                  std::string("time for changing the cut in a frame; default: ") + defaults.adapt)
       ->type_name("MS")
       ->check(CLI::NonNegativeNumber);
-  app->add_option("--page-loads", s.budgets.page_loads, "pages read in a frame; default: no limit")
+  app->add_option("--page-loads", s.budgets.page_loads, "pages asked for in a frame; default: no limit")
       ->type_name("N");
+  add_parsed(app, "--upload", "SIZE",
+             std::string("vertices and indices that change in a frame; default: ") + defaults.upload,
+             store(parse_bytes, s.budgets.upload_bytes));
+  app->add_option("--load-threads", s.load_threads,
+                  std::string("that read pages; 0: frames wait for them; default: ") + defaults.threads)
+      ->type_name("N")
+      ->check(CLI::Range(0u, 64u));
   add_parsed(app, "--cache", "SIZE", "memory for resident pages; default 1G",
              store(parse_bytes, s.cache_bytes));
   app->add_option("--outside", s.outside_factor,
@@ -226,15 +240,20 @@ void add_render_budgets(CLI::App* app, RenderSettings& s) {
       ->check(CLI::Range(1.0, 1e6));
 }
 
-void add_render_look(CLI::App* app, RenderSettings& s) {
-  add_parsed(app, "--shading", "HOW", "lit, wireframe or normals; default lit",
-             one_of<Shading>(
-                 {{"lit", Shading::lit}, {"wireframe", Shading::wireframe}, {"normals", Shading::normals}},
-                 s.draw.shading));
+void add_look(CLI::App* app, DrawOptions& draw) {
+  add_parsed(app, "--shading", "HOW",
+             "lit, wireframe, normals, changes (coarse path grey, fine path dark) or pages; default lit",
+             one_of<Shading>({{"lit", Shading::lit},
+                              {"wireframe", Shading::wireframe},
+                              {"normals", Shading::normals},
+                              {"changes", Shading::changes},
+                              {"pages", Shading::pages}},
+                             draw.shading));
+  app->add_flag("--page-borders", draw.page_borders, "red lines where pages meet");
   add_parsed(app, "--background", "COLOUR", "#rrggbb, white, black, grey or transparent; default white",
-             store(parse_colour, s.draw.background));
+             store(parse_colour, draw.background));
   add_parsed(app, "--colour", "COLOUR", "of the surface, times its vertices' colours; default warm grey",
-             store(parse_colour, s.draw.surface_colour));
+             store(parse_colour, draw.surface_colour));
 }
 
 void add_render(CLI::App& program, Common& common) {
@@ -243,8 +262,10 @@ void add_render(CLI::App& program, Common& common) {
       "Without a camera: the whole model, seen from the front, a little from the right and above.\n"
       "A flight writes frame-00000.png …, frames.csv (statistics of each frame) and frames.svg (their\n"
       "plot) into the output folder. Its first frame is settled; then each frame adapts once, within\n"
-      "the budgets, and what is left undone goes on in the next.\n\n"
+      "the budgets, and what is left undone goes on in the next. With --video, PNGs are written only\n"
+      "where -o names a folder.\n\n"
       "Examples:\n  cuesta render bunny.cuesta -o bunny.png\n"
+      "  cuesta render bunny.cuesta --orbit 240 --video bunny.mp4\n"
       "  cuesta render bunny.cuesta --camera \"eye 0,0.1,0.3 target 0,0.1,0\" --tau 0.5 --size 1920x1080\n"
       "  cuesta render bunny.cuesta --flight flight.json --adapt-ms 4 --triangles 50000 -o frames");
   RenderSettings& s = *c.settings;
@@ -255,15 +276,54 @@ void add_render(CLI::App& program, Common& common) {
                     ->type_name("N")
                     ->check(CLI::Range(2u, 100000u));
   auto* flight = add_path(c.app, "--flight", s.flight, "frames of a flight file (see cuesta flight)");
+  auto* video =
+      add_path(c.app, "--video", s.video, "a flight's frames as .mp4 or .webm, by an installed ffmpeg");
+  video->excludes(camera);
   camera->excludes(orbit)->excludes(flight);
   orbit->excludes(flight);
   add_camera_frame(c.app, s.view);
-  add_render_budgets(c.app, s);
-  add_render_look(c.app, s);
+  add_render_budgets(c.app, s, {"no limit", "no limit", "0"});
+  add_look(c.app, s.draw);
+  add_parsed(c.app, "--context", "HOW",
+             "egl (a GPU without a screen), osmesa (no GPU at all) or auto: egl where it works; default auto",
+             one_of<OffscreenContext>({{"auto", OffscreenContext::automatic},
+                                       {"egl", OffscreenContext::egl},
+                                       {"osmesa", OffscreenContext::osmesa}},
+                                      s.context));
   c.app->add_flag("--settle", s.settle, "settle each frame of a flight: only the triangle budget then binds");
   c.app->add_flag("--stats-only", s.stats_only, "draw nothing: frames.csv and frames.svg only");
   add_quiet(c.app, s.quiet);
   c.runs(common, run_render);
+  c.app->parse_complete_callback([orbit, flight, video] {
+    if (!video->empty() && orbit->empty() && flight->empty())
+      throw CLI::RequiredError("--orbit or --flight, with --video,");
+  });
+}
+
+void add_view(CLI::App& program, Common& common) {
+  Command<ViewSettings> c(
+      program, "view", "Shows .cuesta files in a window.",
+      "Several files are shown in one world, as they are; more can be dropped on the window. F1 shows what\n"
+      "mouse and keys do: orbit (1), fly (2) and walk (3), tau, budgets, debug colours, pictures, flights.\n"
+      "Pictures and flights are saved in this folder. Ctrl-C saves a flight that is being recorded.\n\n"
+      "Each frame adapts once within the budgets; a still picture takes no time.\n\n"
+      "Without a display: cuesta render.\n\n"
+      "Examples:\n  cuesta view bunny.cuesta\n"
+      "  cuesta view scan.cuesta --triangles 1000000 --cache 4G --size 1920x1080\n"
+      "  cuesta view bunny.cuesta --flight zoom.json --screenshot end.png --exit");
+  ViewSettings& s = *c.settings;
+  c.app->add_option("FILE", s.files, ".cuesta files")->type_name("");
+  add_camera(c.app, s.camera);
+  add_camera_frame(c.app, s.view);
+  c.app->add_flag("--full-screen", s.full_screen, "begin in full screen");
+  add_render_budgets(c.app, s, {"4", "16M", "2"});
+  add_look(c.app, s.draw);
+  add_path(c.app, "--flight", s.flight, "flight to play at the start (see cuesta flight)");
+  c.app->add_option("--press", s.press, "keys to press at the start: names such as \"2 x f6\"")
+      ->type_name("KEYS");
+  add_path(c.app, "--screenshot", s.screenshot, "PNG of the picture once it has settled, after the flight");
+  c.app->add_flag("--exit", s.exit, "close the window then");
+  c.runs(common, run_view);
 }
 
 void add_flight(CLI::App& program, Common& common) {
@@ -396,6 +456,7 @@ int run_command_line(int argc, char** argv) {
   add_build(program, common);
   add_info(program, common);
   add_render(program, common);
+  add_view(program, common);
   add_flight(program, common);
   add_export(program, common);
   add_verify(program, common);

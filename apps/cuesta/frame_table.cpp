@@ -69,13 +69,14 @@ std::string frames_csv(const std::vector<FrameRecord>& frames) {
   std::string text =
       "frame,time_s,triangles,adapt_ms,load_ms,render_ms,coarse_operations,fine_operations,pages_loaded,sse_"
       "px,tau_px,"
-      "resident_bytes,bound_by,settled\n";
+      "resident_bytes,bound_by,settled,pages_missing,upload_bytes,blocks_tested\n";
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const AdaptReport& a = frames[i].adapt;
-    text += fmt::format("{},{:.6g},{},{:.3f},{:.3f},{:.3f},{},{},{},{:.6g},{:.6g},{},{},{}\n", i,
+    text += fmt::format("{},{:.6g},{},{:.3f},{:.3f},{:.3f},{},{},{},{:.6g},{:.6g},{},{},{},{},{},{}\n", i,
                         frames[i].time_s, a.triangles, a.adapt_ms, a.load_ms, frames[i].render_ms,
                         a.coarse_operations, a.fine_operations, a.pages_loaded, a.achieved, a.tau,
-                        a.resident_bytes, name(a.bound_by), a.settled ? 1 : 0);
+                        a.resident_bytes, name(a.bound_by), a.settled ? 1 : 0, a.pages_missing,
+                        a.upload_bytes, a.blocks_tested);
   }
   return text;
 }

@@ -23,7 +23,8 @@ struct FrameLimits {
 };
 
 /// Header and one row per frame: frame,time_s,triangles,adapt_ms,load_ms,render_ms,coarse_operations,
-/// fine_operations,pages_loaded,sse_px,tau_px,resident_bytes,bound_by,settled.
+/// fine_operations,pages_loaded,sse_px,tau_px,resident_bytes,bound_by,settled,pages_missing,
+/// upload_bytes,blocks_tested.
 std::string frames_csv(const std::vector<FrameRecord>& frames);
 
 /// Panels over time: triangles, adapt ms, sse px, resident MiB.  @error io.

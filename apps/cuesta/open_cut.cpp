@@ -25,10 +25,12 @@ std::vector<Vec3d> corners(const Box3d& box) {
 
 }  // namespace
 
-Result<std::unique_ptr<Cut>> open_cut(const std::filesystem::path& path, std::uint64_t cache_bytes) {
+Result<std::unique_ptr<Cut>> open_cut(const std::filesystem::path& path, std::uint64_t cache_bytes,
+                                      std::uint32_t load_threads) {
   auto file = CuestaFile::open(path);
   if (!file) return fail(file.error());
-  return Cut::open(std::move(*file), cache_bytes > 0 ? cache_bytes : physical_memory_bytes() / 2, clock_ms);
+  return Cut::open(std::move(*file), cache_bytes > 0 ? cache_bytes : physical_memory_bytes() / 2, clock_ms,
+                   load_threads);
 }
 
 Result<AdaptReport> settle_cut(Cut& cut, const ErrorScale& scale, double tau, Budgets budgets,
@@ -38,9 +40,11 @@ Result<AdaptReport> settle_cut(Cut& cut, const ErrorScale& scale, double tau, Bu
   for (int call = 0; call < most_calls && !sum.settled; ++call) {
     if (!progress.update("adapt", Unit::pages, cut.cache().resident_ids().size(), 0)) break;
     AdaptReport last = cut.adapt(scale, tau, budgets);
+    if (last.pages_missing > 0 && !cut.cache().loads_inline()) cut.cache().wait();
     last.add_work_of(sum);
     sum = last;
   }
+  sum.achieved = cut.achieved(scale);
   if (auto r = check_stop(); !r) return fail(r.error());
   return sum;
 }

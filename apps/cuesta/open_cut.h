@@ -10,8 +10,9 @@
 
 namespace cuesta::app {
 
-/// @param cache_bytes  0: half of the machine's memory.
-Result<std::unique_ptr<Cut>> open_cut(const std::filesystem::path& path, std::uint64_t cache_bytes);
+/// @param cache_bytes  0: half of the machine's memory.   @param load_threads  as Cut::open().
+Result<std::unique_ptr<Cut>> open_cut(const std::filesystem::path& path, std::uint64_t cache_bytes,
+                                      std::uint32_t load_threads = 0);
 
 /// Cut::settle() with a progress line and a way to stop.
 /// @error cancelled; the first error of a page that could not be read: what is drawn would then be coarser

@@ -6,6 +6,7 @@
 #include "apps/cuesta/machine.h"
 #include "apps/cuesta/open_cut.h"
 #include "apps/cuesta/stop_signal.h"
+#include "apps/cuesta/video_file.h"
 #include "runtime/draw/png_file.h"
 #include "runtime/flight_file.h"
 #include "runtime/view_fit.h"
@@ -17,15 +18,17 @@ namespace {
 class Pictures {
  public:
   static Result<Pictures> open(const RenderSettings& s) {
-    auto cut = open_cut(s.file, s.cache_bytes);
+    auto cut = open_cut(s.file, s.cache_bytes, s.load_threads);
     if (!cut) return fail(cut.error());
+    (*cut)->set_tagging(s.draw.shading == Shading::changes);
     Pictures pictures(s, std::move(*cut));
     if (s.stats_only) return pictures;
-    auto context = make_osmesa_context();
+    auto context = make_offscreen_context(s.context);
     if (!context) return fail(context.error());
     auto renderer = Renderer::create(std::move(*context));
     if (!renderer) return fail(renderer.error());
     pictures.renderer_ = std::move(*renderer);
+    if (!s.quiet) fmt::print(stderr, "drawn with {}\n", pictures.renderer_->driver());
     return pictures;
   }
 
@@ -34,22 +37,29 @@ class Pictures {
   /// Adapts to `view`: at once, or as far as one frame's budgets go.
   Result<AdaptReport> adapt(const View& view, bool settle, Progress& progress) {
     const auto scale = ErrorScale::perspective(cut_->directory().grid, view, s_.outside_factor);
-    if (!settle) return cut_->adapt(scale, s_.tau_px, s_.budgets);
+    if (!settle) {
+      AdaptReport report = cut_->adapt(scale, s_.tau_px, s_.budgets);
+      report.achieved = cut_->achieved(scale);
+      return report;
+    }
     Budgets budgets;
     budgets.triangles = s_.budgets.triangles;
     return settle_cut(*cut_, scale, s_.tau_px, budgets, progress);
   }
 
-  /// Draws and writes. @return milliseconds of drawing.
-  Result<double> draw(const View& view, const std::filesystem::path& path) {
-    if (!renderer_) return 0.0;
+  /// What is drawn, and how long that took.
+  struct Drawn {
+    Picture picture;
+    double ms = 0;
+  };
+  /// An empty picture if only numbers are wanted.
+  Result<Drawn> draw(const View& view) {
+    if (!renderer_) return Drawn{};
     const double start = clock_ms();
     if (auto r = renderer_->draw(cut_->draw_list(), view, s_.draw); !r) return fail(r.error());
-    const auto picture = renderer_->read();
+    auto picture = renderer_->read();
     if (!picture) return fail(picture.error());
-    const double drawn = clock_ms() - start;
-    if (auto r = write_png(path, *picture); !r) return fail(r.error());
-    return drawn;
+    return Drawn{std::move(*picture), clock_ms() - start};
   }
 
   const PageCache& cache() const { return cut_->cache(); }
@@ -76,8 +86,10 @@ Result<void> render_still(const RenderSettings& s, Pictures& pictures, Progress&
   if (!report) return fail(report.error());
   const auto path = s.output.empty() ? s.file.filename().replace_extension(".png") : s.output;
   progress.update("draw", Unit::none, 0, 0);
-  const auto drawn = pictures.draw(view, path);
+  const auto drawn = pictures.draw(view);
   if (!drawn) return fail(drawn.error());
+  if (!s.stats_only)
+    if (auto r = write_png(path, drawn->picture); !r) return r;
   progress.finish();
   fmt::print("{}: {} triangles, {:.3g} px error, {} resident{}\n",
              s.stats_only ? s.file.string() : path.string(), with_commas(report->triangles), report->achieved,
@@ -99,8 +111,33 @@ Result<void> make_folder(const std::filesystem::path& folder) {
   return {};
 }
 
+/// Where the frames of a flight go.
+struct FrameFiles {
+  std::filesystem::path folder;  ///< empty: no PNGs
+  std::optional<VideoFile> video;
+
+  Result<void> write(std::uint64_t frame, const Picture& picture) {
+    if (!folder.empty())
+      if (auto r = write_png(folder / fmt::format("frame-{:05}.png", frame), picture); !r) return r;
+    return video ? video->add(picture) : Result<void>{};
+  }
+};
+
+Result<FrameFiles> open_frame_files(const RenderSettings& s, const Flight& flight) {
+  FrameFiles files;
+  if (s.output.empty() && s.video.empty()) files.folder = s.file.stem().string() + "-frames";
+  if (!s.output.empty()) files.folder = s.output;
+  if (!files.folder.empty())
+    if (auto r = make_folder(files.folder); !r) return fail(r.error());
+  if (s.video.empty() || s.stats_only) return files;
+  auto video = VideoFile::create(s.video, s.view.width_px, s.view.height_px, flight.fps);
+  if (!video) return fail(video.error());
+  files.video.emplace(std::move(*video));
+  return files;
+}
+
 Result<void> render_frames(const RenderSettings& s, const Flight& flight, std::uint64_t count,
-                           const std::filesystem::path& folder, Pictures& pictures, Progress& progress,
+                           FrameFiles& files, Pictures& pictures, Progress& progress,
                            std::vector<FrameRecord>& frames) {
   Progress silent(true);
   for (std::uint64_t i = 0; i < count; ++i) {
@@ -111,15 +148,17 @@ Result<void> render_frames(const RenderSettings& s, const Flight& flight, std::u
     const auto report = pictures.adapt(view, i == 0 || s.settle, silent);
     if (!report) return fail(report.error());
     record.adapt = *report;
-    const auto drawn = pictures.draw(view, folder / fmt::format("frame-{:05}.png", i));
+    const auto drawn = pictures.draw(view);
     if (!drawn) return fail(drawn.error());
-    record.render_ms = *drawn;
+    if (!s.stats_only)
+      if (auto r = files.write(i, drawn->picture); !r) return r;
+    record.render_ms = drawn->ms;
     frames.push_back(record);
   }
-  return {};
+  return files.video ? files.video->finish() : Result<void>{};
 }
 
-void tell_flight(const std::filesystem::path& folder, const std::vector<FrameRecord>& frames,
+void tell_flight(const std::filesystem::path& where, const std::vector<FrameRecord>& frames,
                  const Pictures& p) {
   std::uint64_t most = 0;
   double slowest = 0;
@@ -128,7 +167,7 @@ void tell_flight(const std::filesystem::path& folder, const std::vector<FrameRec
     if (i > 0) slowest = std::max(slowest, frames[i].adapt.adapt_ms);
   }
   fmt::print("{}: {} frames, at most {} triangles, adapt at most {:.2f} ms, {} page loads, {} evictions\n",
-             folder.string(), frames.size(), with_commas(most), slowest,
+             where.string(), frames.size(), with_commas(most), slowest,
              with_commas(p.cache().counters().loads), with_commas(p.cache().counters().evictions));
   for (const Error& error : p.cache().errors())
     fmt::print(stderr, "cuesta: drawn coarser: {}\n", error.text());
@@ -139,16 +178,19 @@ Result<void> render_flight(const RenderSettings& s, Pictures& pictures, Progress
   if (!flight) return fail(flight.error());
   // An orbit ends where it began: its last frame is the first again.
   const std::uint64_t count = s.flight.empty() ? s.orbit_frames : frame_count(*flight);
-  const auto folder = s.output.empty() ? std::filesystem::path(s.file.stem().string() + "-frames") : s.output;
-  if (auto r = make_folder(folder); !r) return r;
+  auto files = open_frame_files(s, *flight);
+  if (!files) return fail(files.error());
   std::vector<FrameRecord> frames;
-  if (auto r = render_frames(s, *flight, count, folder, pictures, progress, frames); !r) return r;
+  if (auto r = render_frames(s, *flight, count, *files, pictures, progress, frames); !r) return r;
   progress.finish();
-  if (auto r = write_text(folder / "frames.csv", frames_csv(frames)); !r) return r;
-  const FrameLimits limits{s.budgets, s.tau_px, s.cache_bytes};
-  if (auto r = write_frames_plot(folder / "frames.svg", s.file.filename().string(), frames, limits); !r)
-    return r;
-  tell_flight(folder, frames, pictures);
+  if (!files->folder.empty()) {
+    if (auto r = write_text(files->folder / "frames.csv", frames_csv(frames)); !r) return r;
+    const FrameLimits limits{s.budgets, s.tau_px, s.cache_bytes};
+    if (auto r = write_frames_plot(files->folder / "frames.svg", s.file.filename().string(), frames, limits);
+        !r)
+      return r;
+  }
+  tell_flight(files->folder.empty() ? s.video : files->folder, frames, pictures);
   return {};
 }
 

@@ -17,18 +17,22 @@ struct RenderSettings {
   std::optional<CameraText> camera;  ///< at most one of camera, orbit_frames and flight
   std::uint64_t orbit_frames = 0;
   std::filesystem::path flight;
-  View view;  ///< picture size, angle, up
+  std::filesystem::path video;  ///< .mp4 or .webm of a flight; then PNGs only if there is an output, too
+  View view;                    ///< picture size, angle, up
   double tau_px = 1;
   double outside_factor = 4;  ///< how much coarser what is outside the picture may be
   Budgets budgets;            ///< adapt_ms and page_loads hold for all frames of a flight but the first
   std::uint64_t cache_bytes = 1ull << 30;
+  std::uint32_t load_threads =
+      0;                ///< 0: frames wait for pages, so that a flight gives the same pictures each time
   bool settle = false;  ///< settle every frame of a flight
   bool stats_only = false;
+  OffscreenContext context = OffscreenContext::automatic;
   DrawOptions draw;
   bool quiet = false;
 };
 
-/// One picture, or frame-00000.png …, frames.csv and frames.svg.
+/// One picture, or frame-00000.png …, frames.csv and frames.svg, or a video.
 /// @error of reading the file or the flight; io of writing; cancelled. Where pages are damaged, the pictures
 /// are
 ///        written, coarser there, and the first page's error is returned.

@@ -1,0 +1,18 @@
+#pragma once
+/// Where a ray meets what is drawn: for the pointer, and for the ground below someone who walks.
+
+#include <optional>
+#include <span>
+
+#include "hierarchy/directory.h"
+#include "runtime/draw_list.h"
+
+namespace cuesta::view {
+
+/// Distance in world units from `origin` to the nearest drawn triangle on a ray, from either side.
+/// Where the list tells the pages, those whose bound the ray misses are passed by.
+/// @param direction  unit, world frame.   @cost O(triangles drawn of the pages that the ray may meet).
+std::optional<double> distance_along(const DrawList& list, const Directory& directory, Vec3d origin,
+                                     Vec3d direction);
+
+}  // namespace cuesta::view
