@@ -175,6 +175,8 @@ void Viewer::drop(const std::vector<std::filesystem::path>& paths) {
 }
 
 void Viewer::fit() {
+  const auto [width, height] = window_->size_px();
+  controls_.set_picture_size(std::max(width, 1), std::max(height, 1));
   View view = controls_.view();
   const auto points = scene_.points();
   if (points.empty()) return;
@@ -386,6 +388,7 @@ std::vector<std::string> Viewer::statistics() const {
   f.draw_ms = draw_ms_;
   f.adapt = scene_.report();
   f.adapt.settled = settled_;
+  f.bound_by = name(f.adapt.bound_by);
   f.tau_px = tau_px_;
   f.budgets = budgets_;
   f.pages = scene_.resident_pages();

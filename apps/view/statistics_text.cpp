@@ -33,9 +33,10 @@ const char* mode_name(ControlMode mode) {
   return mode == ControlMode::orbit ? "orbit" : mode == ControlMode::fly ? "fly" : "walk";
 }
 
-const char* state(const FrameStatistics& s) {
+std::string state(const FrameStatistics& s) {
+  const std::string bound = s.adapt.bound_by == Binding::nothing ? "" : "; bound by " + s.bound_by;
   if (s.frozen) return "frozen";
-  return s.adapt.settled ? "settled" : "adapting";
+  return (s.adapt.settled ? "settled" : "adapting") + bound;
 }
 
 }  // namespace
@@ -47,9 +48,9 @@ std::vector<std::string> statistics_lines(const FrameStatistics& s) {
                                 1000 / s.frame_ms, s.draw_ms));
   lines.push_back(triangle_line(s));
   lines.push_back(
-      fmt::format("error      {}tau {:.3g}{}",
-                  std::isfinite(s.adapt.achieved) ? fmt::format("{:.3g} px, ", s.adapt.achieved) : "",
-                  s.tau_px, s.adapt.tau > s.tau_px * 1.001 ? fmt::format(" -> {:.3g}", s.adapt.tau) : ""));
+      fmt::format("tau        {:.3g} px{}{}", s.tau_px,
+                  s.adapt.tau > s.tau_px * 1.001 ? fmt::format(", held to {:.3g}", s.adapt.tau) : "",
+                  std::isfinite(s.adapt.achieved) ? fmt::format("; error {:.3g}", s.adapt.achieved) : ""));
   lines.push_back(adapt_line(s));
   lines.push_back(fmt::format("operations {} coarse, {} fine", grouped(s.adapt.coarse_operations),
                               grouped(s.adapt.fine_operations)));

@@ -16,7 +16,8 @@ struct FrameStatistics {
   ControlMode mode = ControlMode::orbit;
   double speed = 0;  ///< world units per second
   double frame_ms = 0, draw_ms = 0;
-  AdaptReport adapt;  ///< of all objects
+  AdaptReport adapt;     ///< of all objects
+  std::string bound_by;  ///< words for adapt.bound_by
   double tau_px = 1;
   Budgets budgets;
   std::uint64_t pages = 0, cache_bytes = 0;
