@@ -150,16 +150,20 @@ TEST_F(ViewWindow, SeveralFilesAreOneWorld) {
 TEST_F(ViewWindow, RestsAndSavesARecordingWhenItIsStopped) {
   Program viewer(*folder, {"view", file(), "--size", size, "--press", "r k"});
   ASSERT_TRUE(wait_for(*folder / "sphere-view-001.png"));
-  std::this_thread::sleep_for(std::chrono::seconds(1));  // whatever the start still has to do
-  const double before = cpu_seconds(viewer.id());
-  std::this_thread::sleep_for(std::chrono::seconds(2));
-  EXPECT_LT(cpu_seconds(viewer.id()) - before, 0.1) << "a still picture takes no time";
+  // The start takes a while on a busy machine; a viewer that draws all the time never rests.
+  double used_s = 1;
+  for (int i = 0; i < 10 && used_s > 0.1; ++i) {
+    const double before = cpu_seconds(viewer.id());
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+    used_s = cpu_seconds(viewer.id()) - before;
+  }
+  EXPECT_LE(used_s, 0.1) << "a still picture takes no time";
   ASSERT_EQ(kill(viewer.id(), SIGINT), 0);
   const Outcome outcome = viewer.wait();
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   const auto flight = read_flight(*folder / "sphere-flight-001.json");
   ASSERT_TRUE(flight) << outcome.out << outcome.err;
-  EXPECT_GE(flight->keyframes.back().time_s, 2.5);
+  EXPECT_GE(flight->keyframes.back().time_s, 1.9);
 }
 
 TEST_F(ViewWindow, MouseAndKeysOfAPerson) {
