@@ -42,10 +42,13 @@ class GlPool {
   UploadCount upload(std::span<const Element> pool, std::span<const Range> changed, bool& moved) {
     return upload(std::as_bytes(pool), sizeof(Element), changed, moved);
   }
-  /// One element that differs from the pool's.   @pre bound, uploaded.
+  /// Elements from `first` on that differ from the pool's, until they are uploaded again.
+  /// @pre   bound, and large enough.
   template <class Element>
-  void put(std::uint32_t at, const Element& element) {
-    gl_.BufferSubData(target_, static_cast<GLintptr>(at * sizeof(Element)), sizeof(Element), &element);
+  UploadCount put(std::uint32_t first, std::span<const Element> elements) {
+    gl_.BufferSubData(target_, static_cast<GLintptr>(first * sizeof(Element)),
+                      static_cast<GLsizeiptr>(elements.size_bytes()), elements.data());
+    return {elements.size_bytes(), 1};
   }
 
  private:

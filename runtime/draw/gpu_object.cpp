@@ -6,6 +6,7 @@
 
 #include "ooc/check.h"
 #include "runtime/draw/surface_shaders.h"
+#include "runtime/draw/upload_ranges.h"
 
 namespace cuesta {
 
@@ -45,11 +46,33 @@ void GpuObject::set_ranges(const DrawList& list) {
   }
 }
 
+/// Pieces of the pool with the morphed vertices in their places: as few calls as for changes.
+UploadCount GpuObject::upload_morphed(const DrawList& list) {
+  morphed_.assign(list.morphed.begin(), list.morphed.end());
+  std::sort(morphed_.begin(), morphed_.end(),
+            [](const MorphedVertex& a, const MorphedVertex& b) { return a.slot < b.slot; });
+  morphed_slots_.clear();
+  for (const MorphedVertex& m : morphed_) morphed_slots_.push_back({m.slot, 1});
+  UploadCount sent;
+  auto next = morphed_.begin();
+  for (const Range& piece :
+       coalesce(morphed_slots_, GlPool::gap_bytes / sizeof(DrawVertex), GlPool::most_calls)) {
+    CUESTA_CHECK(std::uint64_t{piece.first} + piece.count <= list.vertices.size(), piece.first, piece.count);
+    const auto pool = list.vertices.subspan(piece.first, piece.count);
+    staging_.assign(pool.begin(), pool.end());
+    for (; next != morphed_.end() && next->slot - piece.first < piece.count; ++next)
+      staging_[next->slot - piece.first] = next->vertex;
+    sent = sent + vertices_.put(piece.first, std::span<const DrawVertex>(staging_));
+  }
+  return sent;
+}
+
 UploadCount GpuObject::upload(const DrawList& list) {
   bool moved = false;
   gl_.BindVertexArray(vertex_array_);
   UploadCount sent = vertices_.upload(list.vertices, list.changed_vertices, moved);
   if (moved) describe_vertices();
+  sent = sent + upload_morphed(list);
   sent = sent + indices_.upload(list.indices, list.changed_indices, moved);
   set_ranges(list);
   return sent;

@@ -31,6 +31,7 @@ class GpuObject {
  private:
   void describe_vertices();
   void set_ranges(const DrawList& list);
+  UploadCount upload_morphed(const DrawList& list);
 
   const GlFunctions& gl_;
   GLuint vertex_array_ = 0, tag_texture_ = 0;
@@ -38,6 +39,9 @@ class GpuObject {
   // The draw ranges in the form of glMultiDrawElements.
   std::vector<GLsizei> counts_;
   std::vector<const void*> offsets_;
+  std::vector<MorphedVertex> morphed_;  ///< of this frame, by slot
+  std::vector<Range> morphed_slots_;
+  std::vector<DrawVertex> staging_;
 };
 
 }  // namespace cuesta

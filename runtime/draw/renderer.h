@@ -52,10 +52,11 @@ class Renderer {
 
   /// Uploads what changed and draws the objects of one world. An object is known by its place in `lists`: its
   /// first list is uploaded whole; later what is not in a changed range is what it was or is not drawn, also
-  /// where the pools have grown. Objects beyond the last are forgotten. There is no far plane, and nothing
-  /// nearer than half of the finest grid step is drawn; depth resolves 10^-6 of the distance everywhere. One
-  /// call draws an object, but for the debug shadings and page borders, which take one for each page. Uploads
-  /// take at most some 500 calls for each pool.
+  /// where the pools have grown; so what was morphed and is no more is in a changed range. Objects beyond the
+  /// last are forgotten. There is no far plane, and nothing nearer than half of the finest grid step is
+  /// drawn; depth resolves 10^-6 of the distance everywhere. One call draws an object, but for the debug
+  /// shadings and page borders, which take one for each page. Uploads take at most some 500 calls for each
+  /// pool.
   /// @pre   draws and changed ranges lie in the pools, drawn indices are below vertices.size(); view is
   /// valid.
   /// @error invalid_input if the view is larger than the driver allows; out_of_budget if it runs out of

@@ -127,6 +127,28 @@ TEST(DrawUploads, AGrownPoolKeepsWhatItHadAndTakesWhatChanged) {
   }
 }
 
+TEST(DrawUploads, MorphedVerticesAreDrawnInsteadOfThePools) {
+  const auto renderer = make_renderer();
+  const View view = view_from_front(3000);
+  const Scene scene = sphere(4, 1000);
+  const Picture before = draw(*renderer, scene, view);
+  Scene half = scene;
+  std::vector<MorphedVertex> morphed;
+  for (std::uint32_t i = 0; i < scene.vertices.size(); i += 1 + i % 7 + (i > 2000 ? 300 : 0)) {
+    half.vertices[i].y /= 2;
+    morphed.push_back({i, half.vertices[i]});
+  }
+  std::reverse(morphed.begin() + 3, morphed.end());
+  DrawList list = scene.list();
+  list.morphed = morphed;
+  ASSERT_TRUE(renderer->draw(list, view, {}));
+  EXPECT_EQ(compare(*renderer->read(), draw(half, view)).max_channel, 0);
+  EXPECT_LT(renderer->uploads().calls, 40u);
+  Scene restored = scene;
+  for (const MorphedVertex& m : morphed) restored.changed_vertices.push_back({m.slot, 1});
+  EXPECT_EQ(compare(before, draw(*renderer, restored, view)).max_channel, 0);
+}
+
 TEST(DrawUploads, OnlyTheDrawRangesAreDrawn) {
   Scene scene;
   for (const std::int32_t x : {-600, 0, 600})
