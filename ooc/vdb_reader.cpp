@@ -1,4 +1,4 @@
-/// Surfaces of OpenVDB volumes, meshed block by block. The one file that includes OpenVDB: 15 s to compile.
+/// Surfaces of OpenVDB volumes, meshed block by block. The one file that includes its tools: 15 s to compile.
 ///
 /// The surface is that of openvdb::tools::volumeToMesh: dual, one vertex per sheet and cell, or per merged
 /// region of cells. Merging never crosses an 8³ leaf node, and what a leaf gets depends on its neighbours
