@@ -123,7 +123,7 @@ TEST_F(Adapt, uploads_stay_in_their_budget) {
   std::mt19937 random(4);
   for (int i = 0; i < 300; ++i) {
     Budgets budgets;
-    budgets.upload_bytes = 4000 + random() % 40000;
+    budgets.upload_bytes = 32000 + random() % 40000;
     const ErrorScale scale = ErrorScale::perspective(cut->directory().grid, random_view(cut->directory(), random));
     const auto report = cut->adapt(scale, 0.2, budgets);
     const DrawList list = cut->draw_list();
