@@ -210,7 +210,7 @@ void add_info(CLI::App& program, Common& common) {
 
 /// What render and view have in common, with the words for their defaults.
 struct BudgetDefaults {
-  const char *adapt, *upload, *threads;
+  const char *adapt, *upload, *threads, *geomorph;
 };
 template <class Settings>
 void add_render_budgets(CLI::App* app, Settings& s, const BudgetDefaults& defaults) {
@@ -228,6 +228,11 @@ void add_render_budgets(CLI::App* app, Settings& s, const BudgetDefaults& defaul
   add_parsed(app, "--upload", "SIZE",
              std::string("vertices and indices that change in a frame; default: ") + defaults.upload,
              store(parse_bytes, s.budgets.upload_bytes));
+  app->add_option(
+         "--geomorph", s.geomorph_ms,
+         std::string("length of blends between levels, near the eye; 0: none; default: ") + defaults.geomorph)
+      ->type_name("MS")
+      ->check(CLI::Range(0.0, 60000.0));
   app->add_option("--load-threads", s.load_threads,
                   std::string("that read pages; 0: frames wait for them; default: ") + defaults.threads)
       ->type_name("N")
@@ -282,7 +287,7 @@ void add_render(CLI::App& program, Common& common) {
   camera->excludes(orbit)->excludes(flight);
   orbit->excludes(flight);
   add_camera_frame(c.app, s.view);
-  add_render_budgets(c.app, s, {"no limit", "no limit", "0"});
+  add_render_budgets(c.app, s, {"no limit", "no limit", "0", "0"});
   add_look(c.app, s.draw);
   add_parsed(c.app, "--context", "HOW",
              "egl (a GPU without a screen), osmesa (no GPU at all) or auto: egl where it works; default auto",
@@ -316,7 +321,7 @@ void add_view(CLI::App& program, Common& common) {
   add_camera(c.app, s.camera);
   add_camera_frame(c.app, s.view);
   c.app->add_flag("--full-screen", s.full_screen, "begin in full screen");
-  add_render_budgets(c.app, s, {"4", "16M", "2"});
+  add_render_budgets(c.app, s, {"4", "16M", "2", "0"});
   add_look(c.app, s.draw);
   add_path(c.app, "--flight", s.flight, "flight to play at the start (see cuesta flight)");
   c.app->add_option("--press", s.press, "keys to press at the start: names such as \"2 x f6\"")

@@ -26,11 +26,11 @@ std::vector<Vec3d> corners(const Box3d& box) {
 }  // namespace
 
 Result<std::unique_ptr<Cut>> open_cut(const std::filesystem::path& path, std::uint64_t cache_bytes,
-                                      std::uint32_t load_threads) {
+                                      std::uint32_t load_threads, Clock clock) {
   auto file = CuestaFile::open(path);
   if (!file) return fail(file.error());
-  return Cut::open(std::move(*file), cache_bytes > 0 ? cache_bytes : physical_memory_bytes() / 2, clock_ms,
-                   load_threads);
+  return Cut::open(std::move(*file), cache_bytes > 0 ? cache_bytes : physical_memory_bytes() / 2,
+                   std::move(clock), load_threads);
 }
 
 Result<AdaptReport> settle_cut(Cut& cut, const ErrorScale& scale, double tau, Budgets budgets,

@@ -18,10 +18,12 @@ namespace {
 class Pictures {
  public:
   static Result<Pictures> open(const RenderSettings& s) {
-    auto cut = open_cut(s.file, s.cache_bytes, s.load_threads);
+    auto ahead_ms = std::make_shared<double>(0);
+    auto cut = open_cut(s.file, s.cache_bytes, s.load_threads, [ahead_ms] { return clock_ms() + *ahead_ms; });
     if (!cut) return fail(cut.error());
     (*cut)->set_tagging(s.draw.shading == Shading::changes);
     Pictures pictures(s, std::move(*cut));
+    pictures.ahead_ms_ = std::move(ahead_ms);
     if (s.stats_only) return pictures;
     auto context = make_offscreen_context(s.context);
     if (!context) return fail(context.error());
@@ -34,9 +36,13 @@ class Pictures {
 
   std::vector<Vec3d> sketch() { return sketch_points(*cut_); }
 
+  /// It is `time_s` now, for what takes time: blends last as long in the pictures however long those take.
+  void set_time(double time_s) { *ahead_ms_ = time_s * 1000 - clock_ms(); }
+
   /// Adapts to `view`: at once, or as far as one frame's budgets go.
   Result<AdaptReport> adapt(const View& view, bool settle, Progress& progress) {
     const auto scale = ErrorScale::perspective(cut_->directory().grid, view, s_.outside_factor);
+    cut_->set_geomorph_ms(settle ? 0 : s_.geomorph_ms);
     if (!settle) {
       AdaptReport report = cut_->adapt(scale, s_.tau_px, s_.budgets);
       report.achieved = cut_->achieved(scale);
@@ -69,6 +75,7 @@ class Pictures {
   const RenderSettings& s_;
   std::unique_ptr<Cut> cut_;
   std::unique_ptr<Renderer> renderer_;
+  std::shared_ptr<double> ahead_ms_;  ///< of the clock that the cut has
 };
 
 View still_view(const RenderSettings& s, Pictures& pictures) {
@@ -145,6 +152,7 @@ Result<void> render_frames(const RenderSettings& s, const Flight& flight, std::u
     FrameRecord record;
     record.time_s = frame_time(flight, i);
     const View view = flight_view(flight, record.time_s, s.view);
+    pictures.set_time(record.time_s);
     const auto report = pictures.adapt(view, i == 0 || s.settle, silent);
     if (!report) return fail(report.error());
     record.adapt = *report;

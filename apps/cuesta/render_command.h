@@ -24,8 +24,9 @@ struct RenderSettings {
   Budgets budgets;            ///< adapt_ms and page_loads hold for all frames of a flight but the first
   std::uint64_t cache_bytes = 1ull << 30;
   std::uint32_t load_threads =
-      0;                ///< 0: frames wait for pages, so that a flight gives the same pictures each time
-  bool settle = false;  ///< settle every frame of a flight
+      0;                   ///< 0: frames wait for pages, so that a flight gives the same pictures each time
+  double geomorph_ms = 0;  ///< of the flight's time, not the clock's
+  bool settle = false;     ///< settle every frame of a flight
   bool stats_only = false;
   OffscreenContext context = OffscreenContext::automatic;
   DrawOptions draw;

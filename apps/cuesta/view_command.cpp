@@ -30,6 +30,7 @@ constexpr double idle_wait_s = 0.25;     // between looks at a stop that was ask
 constexpr double least_frame_s = 0.004;  // where the driver does not wait for the screen
 constexpr double longest_step_s = 0.1;   // that held keys move for: a hitch is no leap
 constexpr double message_s = 5;
+constexpr double usual_geomorph_ms = 250;
 constexpr double budget_factor = 1.4142135623730951;
 constexpr std::uint64_t least_triangles = 1000;
 constexpr double least_tau_px = 1.0 / 64, largest_tau_px = 64;
@@ -56,6 +57,7 @@ class Viewer {
   explicit Viewer(const ViewSettings& settings)
       : s_(settings),
         tau_px_(settings.tau_px),
+        geomorph_ms_(settings.geomorph_ms),
         budgets_(settings.budgets),
         draw_(settings.draw),
         controls_([this](Vec3d origin, Vec3d direction) { return scene_.hit(origin, direction); }) {}
@@ -86,7 +88,7 @@ class Viewer {
   std::string stem() const;
 
   const ViewSettings& s_;
-  double tau_px_;
+  double tau_px_, geomorph_ms_;
   Budgets budgets_;
   DrawOptions draw_;
   std::unique_ptr<Window> window_;  // outlives the renderer
@@ -343,6 +345,9 @@ void Viewer::act(Action action) {
       return toggle_recording();
     case Action::play:
       return toggle_flight();
+    case Action::geomorph:
+      geomorph_ms_ = geomorph_ms_ > 0 ? 0 : s_.geomorph_ms > 0 ? s_.geomorph_ms : usual_geomorph_ms;
+      return say(geomorph_ms_ > 0 ? fmt::format("blends of {:g} ms", geomorph_ms_) : "no blends");
     case Action::freeze:
       frozen_ = !frozen_;
       if (frozen_) scene_.list_all();
@@ -437,9 +442,13 @@ Result<void> Viewer::frame() {
   if (!frozen_) {
     // Someone who walks does not see the ground below, but stands on it.
     const bool only_visible = controls_.mode() != ControlMode::walk;
-    changed = scene_.adapt(controls_.view(), {tau_px_, s_.outside_factor, budgets_, only_visible,
-                                              draw_.shading == Shading::changes});
-    settled_ = scene_.report().settled && !moved;
+    changed = scene_.adapt(controls_.view(), {.tau_px = tau_px_,
+                                              .outside_factor = s_.outside_factor,
+                                              .budgets = budgets_,
+                                              .geomorph_ms = geomorph_ms_,
+                                              .only_visible = only_visible,
+                                              .tags = draw_.shading == Shading::changes});
+    settled_ = scene_.report().settled && scene_.report().morphing == 0 && !moved;
   } else {
     settled_ = true;
   }

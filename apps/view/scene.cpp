@@ -27,9 +27,11 @@ bool Scene::adapt(const View& view, const Options& options) {
     Object& o = objects_[i];
     const auto scale = ErrorScale::perspective(o.cut->directory().grid, view, options.outside_factor);
     o.cut->set_tagging(options.tags);
+    o.cut->set_geomorph_ms(options.geomorph_ms);
     o.report = o.cut->adapt(scale, options.tau_px, shares[i]);
     lists_.push_back(options.only_visible ? o.cut->draw_list(scale) : o.cut->draw_list());
-    changed = changed || !lists_.back().changed_vertices.empty() || !lists_.back().changed_indices.empty() ||
+    changed = changed || !lists_.back().morphed.empty() || !lists_.back().changed_vertices.empty() ||
+              !lists_.back().changed_indices.empty() ||
               o.report.coarse_operations + o.report.fine_operations > 0;
   }
   return changed;
@@ -51,6 +53,7 @@ AdaptReport Scene::report() const {
     sum.triangles += o.report.triangles;
     sum.resident_bytes += o.report.resident_bytes;
     sum.pages_missing += o.report.pages_missing;
+    sum.morphing += o.report.morphing;
     sum.tau = std::max(sum.tau, o.report.tau);
     sum.achieved = std::max(sum.achieved, o.report.achieved);
     sum.settled = sum.settled && o.report.settled;

@@ -31,6 +31,7 @@ class Scene {
     double tau_px = 1;
     double outside_factor = 4;
     Budgets budgets;
+    double geomorph_ms = 0;
     bool only_visible = true;  ///< lists() leave out pages that the view cannot show
     bool tags = false;         ///< lists() say how triangles came to be drawn
   };

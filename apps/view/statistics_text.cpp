@@ -56,6 +56,7 @@ std::vector<std::string> statistics_lines(const FrameStatistics& s) {
                               grouped(s.adapt.fine_operations)));
   lines.push_back(fmt::format("pages      {}, {} of {}", grouped(s.pages), mebibytes(s.adapt.resident_bytes),
                               mebibytes(s.cache_bytes)));
+  if (s.adapt.morphing > 0) lines.push_back(fmt::format("blends     {} vertices", grouped(s.adapt.morphing)));
   if (s.adapt.pages_missing > 0)
     lines.push_back(fmt::format("           {} on their way", grouped(s.adapt.pages_missing)));
   lines.push_back(fmt::format("upload     {} in {} calls", mebibytes(s.upload_bytes), s.upload_calls));

@@ -33,6 +33,7 @@ constexpr std::array bindings{
     Binding{Action::changes, key_of('C'), Key::f4, "C F4", "changes: coarse path grey, fine path dark"},
     Binding{Action::pages, key_of('P'), Key::f5, "P F5", "pages in colours"},
     Binding{Action::page_borders, key_of('B'), Key::f6, "B F6", "borders of pages"},
+    Binding{Action::geomorph, key_of('G'), Key::unknown, "G", "blends between levels"},
     Binding{Action::freeze, key_of('Z'), Key::unknown, "Z", "freeze the triangles"},
     Binding{Action::screenshot, key_of('K'), Key::f12, "K F12", "save a picture"},
     Binding{Action::record, key_of('R'), Key::unknown, "R", "record a flight; again: save it"},

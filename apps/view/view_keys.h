@@ -29,6 +29,7 @@ enum class Action : std::uint8_t {
   changes,
   pages,
   page_borders,
+  geomorph,
   freeze,
   screenshot,
   record,
