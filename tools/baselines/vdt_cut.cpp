@@ -147,8 +147,7 @@ VdtReport VdtCut::adapt(const ErrorScale& scale, double tau) {
     if (!too_coarse(e.collapse_error, e.collapse_radius, distance, limit)) candidates_.push_back(tree_.parent[e.node]);
     ++i;
   }
-  for (const NodeId n : candidates_)
-    collapse_from(n, scale, limit, report);
+  for (const NodeId n : candidates_) collapse_from(n, scale, limit, report);
   report.triangles = triangle_count_;
   report.active_nodes = entries_.size();
   return report;
@@ -170,7 +169,8 @@ std::vector<NodeId> VdtCut::active_nodes() const {
 }
 
 double VdtCut::sse(const ErrorScale& scale, NodeId n) const {
-  return scale.sse(tree_.error_of(n), {tree_.positions[tree_.vertex_of(n)], tree_.is_leaf(n) ? 0 : tree_.node(n).radius});
+  const float radius = tree_.is_leaf(n) ? 0 : tree_.node(n).radius;
+  return scale.sse(tree_.error_of(n), {tree_.positions[tree_.vertex_of(n)], radius});
 }
 
 std::uint64_t VdtCut::bytes() const {

@@ -1,7 +1,7 @@
 #pragma once
-/// View-dependence tree (VDT): a binary tree of vertices by edge collapse, the baseline of the fan-hierarchy's paper.
-/// Source: El-Sana, Varshney, "Generalized view-dependent simplification", Computer Graphics Forum 18(3), 1999; as it is
-/// compared with in Livny et al., "Dual adaptive paths for multiresolution hierarchies", 2006, §5. Deviations:
+/// View-dependence tree (VDT): a binary tree of vertices by edge collapse, what the fan-hierarchy is compared with.
+/// Source: El-Sana, Varshney, "Generalized view-dependent simplification", Computer Graphics Forum 18(3), 1999; as it
+/// is described in Livny et al., "Dual adaptive paths for multiresolution hierarchies", 2006, §5. Deviations:
 ///   - the merged vertex is one of the two (half-edge collapse), so no vertex is added;
 ///   - edges are collapsed by rising quadric distance (Garland, Heckbert 1997), the root of the mean squared distance
 ///     to the planes, made monotone up the tree; it bounds nothing;
