@@ -233,10 +233,12 @@ void Cut::follow_merges(Frame& f) {
     const ResidentPage& page = *cache_->resident(m.page);
     const auto children = page.children(page.fans()[m.fan]);
     const double scale = f.scale.scale(page.sphere(m.fan), f.scale.page_factor(directory().pages[m.page].bound));
-    if (count_up_to(children, scale, f.aim) < m.goal) {
+    const std::uint16_t wanted = count_up_to(children, scale, f.aim);
+    if (wanted < m.goal) {
       geomorphs_.call_off(static_cast<std::uint32_t>(i));
       continue;
     }
+    if (wanted > m.goal) geomorphs_.postpone(page, m.fan, m.goal, wanted);  // the fan's next ones
     f.merges_wait = true;
     if (m.due) coarsen_.add({sse_of(children[m.goal - 1u].error, scale), m.page, m.fan, m.goal});
   }
@@ -245,14 +247,14 @@ void Cut::follow_merges(Frame& f) {
 /// True if a coarsening is left for later: until its geomorph is over, or until the one that it leans on is.
 bool Cut::waits(Frame& f, const Operation& op) {
   if (!geomorphs_.on() && geomorphs_.idle()) return false;
+  if (geomorphs_.merging(op.page, op.fan)) return false;  // it is due
   const ResidentPage& page = *cache_->resident(op.page);
-  const bool due = geomorphs_.merging(op.page, op.fan);
   if (geomorphs_.must_wait(page, op.fan, op.goal)) {
+    geomorphs_.postpone(page, op.fan, page.fans()[op.fan].applied, op.goal);
     f.merges_wait = true;
-    if (!due) geomorphs_.postpone(page, op.fan, op.goal);
     return true;
   }
-  if (due || !geomorphs_.on() || page.path() == FanPath::coarse || !geomorphs_.has_room()) return false;
+  if (!geomorphs_.on() || page.path() == FanPath::coarse || !geomorphs_.has_room()) return false;
   geomorphs_.begin_merge(page, op.fan, op.goal);
   f.merges_wait = true;
   return true;

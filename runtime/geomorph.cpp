@@ -93,11 +93,10 @@ void Geomorphs::grow(const ResidentPage& page, std::size_t fan, std::uint16_t go
 
 /// All corners of the triangles that the substitutions change: what leans on them starts at one of these.
 std::vector<std::uint32_t> Geomorphs::touched_slots(const ResidentPage& page, std::size_t fan,
-                                                    std::uint16_t goal) const {
-  const FanState& state = page.fans()[fan];
-  const auto children = page.children(state);
+                                                    std::uint16_t from, std::uint16_t goal) const {
+  const auto children = page.children(page.fans()[fan]);
   std::vector<std::uint32_t> slots;
-  for (std::uint16_t i = state.applied; i < goal; ++i) {
+  for (std::uint16_t i = from; i < goal; ++i) {
     slots.insert(slots.end(), {children[i].from_slot, children[i].to_slot});
     page.for_each_changed(children[i], [&](TriangleHandle t) {
       for (std::uint32_t c = 0; c < 3; ++c) slots.push_back(pool_.corner(t, c));
@@ -109,7 +108,8 @@ std::vector<std::uint32_t> Geomorphs::touched_slots(const ResidentPage& page, st
 }
 
 void Geomorphs::begin_merge(const ResidentPage& page, std::size_t fan, std::uint16_t goal) {
-  Merge m{page.id(), static_cast<std::uint32_t>(fan), goal, false, {}, touched_slots(page, fan, goal)};
+  Merge m{page.id(), static_cast<std::uint32_t>(fan), goal, false, {},
+          touched_slots(page, fan, page.fans()[fan].applied, goal)};
   for (const std::uint32_t slot : m.leaning) ++leaned_on_[slot];
   const FanState& state = page.fans()[fan];
   const auto children = page.children(state);
@@ -152,16 +152,15 @@ void Geomorphs::vanish(const ResidentPage& page, std::size_t fan, std::uint16_t 
 
 bool Geomorphs::must_wait(const ResidentPage& page, std::size_t fan, std::uint16_t goal) const {
   if (leaned_on_.empty()) return false;
-  const std::uint32_t own = merging(page.id(), static_cast<std::uint32_t>(fan)) ? 1 : 0;
   const FanState& state = page.fans()[fan];
   const auto children = page.children(state);
   for (std::uint16_t i = state.applied; i < goal; ++i)
-    if (const auto it = leaned_on_.find(children[i].from_slot); it != leaned_on_.end() && it->second > own) return true;
+    if (leaned_on_.contains(children[i].from_slot)) return true;
   return false;
 }
 
-void Geomorphs::postpone(const ResidentPage& page, std::size_t fan, std::uint16_t goal) {
-  for (const std::uint32_t slot : touched_slots(page, fan, goal)) {
+void Geomorphs::postpone(const ResidentPage& page, std::size_t fan, std::uint16_t from, std::uint16_t goal) {
+  for (const std::uint32_t slot : touched_slots(page, fan, from, goal)) {
     ++leaned_on_[slot];
     postponed_.push_back(slot);
   }

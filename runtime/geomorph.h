@@ -51,10 +51,12 @@ class Geomorphs {
   /// Substitutions [applied, goal) of the fan have just been applied, after a blend or at once.
   void vanish(const ResidentPage& page, std::size_t fan, std::uint16_t applied, std::uint16_t goal);
 
-  /// True if a substitution of [applied, goal) leans on a merge that waits, or on what was told by postpone().
+  /// True if a substitution of [applied, goal) leans on a merge that waits, or on what was told by postpone(). A merge
+  /// that has begun leans on neither: what it leans on was applied when it began, and it is called off before any of
+  /// that is undone, for its sse is not less.
   bool must_wait(const ResidentPage& page, std::size_t fan, std::uint16_t goal) const;
-  /// So does what leans on this fan, until update().
-  void postpone(const ResidentPage& page, std::size_t fan, std::uint16_t goal);
+  /// So does what leans on substitutions [from, goal) of this fan, until update().
+  void postpone(const ResidentPage& page, std::size_t fan, std::uint16_t from, std::uint16_t goal);
 
   bool idle() const { return blends_.empty() && merges_.empty(); }
   /// Vertices as they are to be drawn in this frame instead of what the pool says.
@@ -75,7 +77,8 @@ class Geomorphs {
   void blend(std::uint32_t slot, std::uint32_t to_slot, const DrawVertex& from, bool merge);
   void drop_blend(std::uint32_t slot);
   Merge take_merge(std::uint32_t index);
-  std::vector<std::uint32_t> touched_slots(const ResidentPage& page, std::size_t fan, std::uint16_t goal) const;
+  std::vector<std::uint32_t> touched_slots(const ResidentPage& page, std::size_t fan, std::uint16_t from,
+                                           std::uint16_t goal) const;
 
   const GeometryPool& pool_;
   double duration_ms_ = 0, now_ms_ = 0;

@@ -1,4 +1,4 @@
-# cmake -D BUILD=… -D CONSUMER=… -D SCRATCH=… -D COMPILER=… -P install_and_use.cmake
+# cmake -D BUILD=… -D CONSUMER=… -D EXAMPLE=… -D SCRATCH=… -D COMPILER=… -P install_and_use.cmake
 # Installs the build tree into a scratch prefix, then configures, builds and runs a project that finds it there.
 cmake_policy(VERSION 3.25)
 
@@ -15,7 +15,7 @@ set(prefix ${SCRATCH}/prefix)
 file(REMOVE_RECURSE ${SCRATCH})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix})
 run(${CMAKE_COMMAND} -S ${CONSUMER} -B ${SCRATCH}/build -G Ninja -D CMAKE_CXX_COMPILER=${COMPILER}
-    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_BUILD_TYPE=Release "-DCMAKE_CXX_FLAGS=${FLAGS}")
+    -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_BUILD_TYPE=Release -D EXAMPLE=${EXAMPLE} "-DCMAKE_CXX_FLAGS=${FLAGS}")
 run(${CMAKE_COMMAND} --build ${SCRATCH}/build)
 
 run(${SCRATCH}/build/consumer)
@@ -29,9 +29,9 @@ if(NOT output MATCHES "8 of 8 triangles")
   message(FATAL_ERROR "the consumer said: ${output}")
 endif()
 # A file that is none ends in a message and a status, in a stranger's program as in ours.
-execute_process(COMMAND ${SCRATCH}/build/consumer ${CONSUMER}/consumer.cpp
+execute_process(COMMAND ${SCRATCH}/build/consumer ${EXAMPLE}
   RESULT_VARIABLE status ERROR_VARIABLE message OUTPUT_QUIET)
-if(status EQUAL 0 OR NOT message MATCHES "consumer.cpp")
+if(status EQUAL 0 OR NOT message MATCHES "fly.cpp")
   message(FATAL_ERROR "status ${status}, message: ${message}")
 endif()
 file(REMOVE_RECURSE ${SCRATCH})

@@ -103,6 +103,29 @@ TEST_P(Geomorph, ends_at_the_cut_without_it) {
   }
 }
 
+/// Merges that begin, are called off and begin again while others wait never wait for each other for good.
+TEST_P(Geomorph, a_threshold_that_changes_while_it_blends_comes_to_rest) {
+  std::mt19937 random(4);
+  for (int i = 0; i < 10; ++i) {
+    const ErrorScale scale = scale_of(random_view(cut_->directory(), random));
+    double tau = 1;
+    for (int change = 0; change < 20; ++change) {
+      tau *= random() % 3 ? 1.2 : 0.6;
+      for (unsigned frame = random() % 8; frame-- > 0;) {
+        now_ms_ += 16;
+        cut_->adapt(scale, tau, {});
+        ASSERT_TRUE(legal()) << "view " << i << " change " << change;
+      }
+    }
+    AdaptReport report;
+    for (int frame = 0; frame < 1000 && !report.settled; ++frame) {
+      now_ms_ += 16;
+      report = cut_->adapt(scale, tau, {});
+    }
+    ASSERT_TRUE(report.settled) << "view " << i;
+  }
+}
+
 /// A vertex that comes starts where its substitute is, one that goes ends there, and between frames none moves more
 /// than a blend's share of its way.
 TEST_P(Geomorph, nothing_jumps) {
