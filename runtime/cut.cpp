@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#ifndef __EMSCRIPTEN__
+#include <tbb/parallel_for.h>
+#endif
+
 namespace cuesta {
 namespace {
 
@@ -11,6 +15,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // Work between two looks at the clock, a few dozen microseconds.
 constexpr std::uint32_t operations_per_look = 32;
 constexpr std::uint32_t blocks_per_look = 64;
+constexpr std::size_t pages_per_batch = 32;  // that threads test together
 /// Share of the time for finding out what to do; the rest is for doing it.
 constexpr double plan_share = 0.5;
 /// A camera that has not moved for so many calls is at rest.
@@ -21,6 +26,17 @@ constexpr double fine_reach = 3, fine_speed = 0.02;
 /// Pages are asked for that will be wanted in so many frames, but not at the cost of pages wanted less long ago.
 constexpr double prefetch_frames = 20;
 constexpr std::uint64_t prefetch_keeps_frames = 60;
+
+template <class Element, class Run>
+void for_each(std::span<Element> elements, [[maybe_unused]] bool in_parallel, const Run& run) {
+#ifndef __EMSCRIPTEN__
+  if (in_parallel && elements.size() > 1) {
+    tbb::parallel_for(std::size_t{0}, elements.size(), [&](std::size_t i) { run(elements[i]); });
+    return;
+  }
+#endif
+  for (Element& e : elements) run(e);
+}
 
 double sse_of(ErrorCode8 error, double scale) {
   return error == 0 ? 0 : static_cast<double>(decode_error(error)) / scale;
@@ -179,34 +195,57 @@ void Cut::plan(Frame& f) {
   follow_merges(f);
   f.unlooked = 0;
   const auto ids = cache_->resident_ids();
-  for (std::size_t i = 0; i < ids.size(); ++i) {
+  const std::size_t batch = parallel_ ? pages_per_batch : 1;
+  for (std::size_t i = 0; i < ids.size();) {
     if (f.unlooked >= blocks_per_look) {
       f.unlooked = 0;
       if (out_of_time(f, plan_share)) return;
     }
-    const PageId id = finer_first_ ? ids[i] : ids[ids.size() - 1 - i];
-    plan_page(f, id, *cache_->resident(id));
+    test_count_ = 0;
+    for (; i < ids.size() && test_count_ < batch; ++i) make_test(f, finer_first_ ? ids[i] : ids[ids.size() - 1 - i]);
+    run_tests(f);
+    plan_tests(f);
   }
   f.all_planned = true;
 }
 
-void Cut::plan_page(Frame& f, PageId id, ResidentPage& page) {
+/// @return false if nothing can have changed in the page.
+bool Cut::make_test(const Frame& f, PageId id) {
+  ResidentPage& page = *cache_->resident(id);
   const Sphere& bound = directory().pages[id].bound;
   const double factor = f.scale.page_factor(bound);
   const double limit = f.aim * f.scale.unit() * factor;
   const bool same_limit = std::abs(limit - page.tested_limit) <= ActiveNodes::limit_slack * std::abs(page.tested_limit);
   const bool all = page.set_path(path_for(f, bound)) || !same_limit;
   if (all) page.tested_limit = limit;
-  ActiveNodes& nodes = page.active_nodes();
-  if (!all && !nodes.due(travelled_)) return;
-  candidates_.clear();
-  const bool near_and_far = !f.scale.is_uniform() && limit > 0 && limit < infinity;
-  const std::uint32_t tested =
-      near_and_far ? nodes.test(f.scale.eye(), limit, ErrorScale::nearest, travelled_, all, candidates_)
-                   : nodes.test_uniform(limit, candidates_);
-  f.unlooked += tested;
-  f.report.blocks_tested += tested;
-  for (const std::uint32_t fan : candidates_) plan_fan(f, page, fan, f.scale.scale(page.sphere(fan), factor));
+  if (!all && !page.active_nodes().due(travelled_)) return false;
+  if (tests_.size() == test_count_) tests_.emplace_back();
+  PageTest& test = tests_[test_count_++];
+  test.page = &page;
+  test.factor = factor;
+  test.limit = limit;
+  test.all = all;
+  test.candidates.clear();
+  return true;
+}
+
+void Cut::run_tests(const Frame& f) {
+  const auto run = [&](PageTest& t) {
+    ActiveNodes& nodes = t.page->active_nodes();
+    const bool near_and_far = !f.scale.is_uniform() && t.limit > 0 && t.limit < infinity;
+    t.blocks = near_and_far ? nodes.test(f.scale.eye(), t.limit, ErrorScale::nearest, travelled_, t.all, t.candidates)
+                            : nodes.test_uniform(t.limit, t.candidates);
+  };
+  for_each(std::span(tests_).first(test_count_), parallel_, run);
+}
+
+void Cut::plan_tests(Frame& f) {
+  for (const PageTest& t : std::span(tests_).first(test_count_)) {
+    f.unlooked += t.blocks;
+    f.report.blocks_tested += t.blocks;
+    for (const std::uint32_t fan : t.candidates)
+      plan_fan(f, *t.page, fan, f.scale.scale(t.page->sphere(fan), t.factor));
+  }
 }
 
 void Cut::plan_fan(Frame& f, ResidentPage& page, std::uint32_t fan, double scale) {

@@ -94,6 +94,8 @@ class Cut {
   void set_path_policy(PathPolicy policy) { policy_ = policy, settled_ = false; }
   /// Length of the blends on the fine path; 0, the default: none. settle() ends all that are under way.
   void set_geomorph_ms(double ms) { geomorphs_.set_duration_ms(ms); }
+  /// Blocks of many pages are tested by all threads of the caller's oneTBB arena; off by default. The cut is the same.
+  void set_parallel(bool on) { parallel_ = on; }
   /// Draw lists say how each triangle came to be drawn.
   void set_tagging(bool on) { cache_->pool().set_tagging(on); }
 
@@ -108,6 +110,14 @@ class Cut {
   Cut(std::unique_ptr<PageCache> cache, Clock clock)
       : cache_(std::move(cache)), clock_(std::move(clock)), geomorphs_(cache_->pool()) {}
   struct Frame;
+  /// Blocks of one page to be looked at, and the fans that may have to move.
+  struct PageTest {
+    ResidentPage* page;
+    double factor, limit;
+    bool all;
+    std::uint32_t blocks;
+    std::vector<std::uint32_t> candidates;
+  };
   void follow(const ErrorScale& scale, double tau, const Budgets& budgets);
   void choose_tau(Frame& f);
   void load_pages(Frame& f);
@@ -115,7 +125,9 @@ class Cut {
   FanPath path_for(const Frame& f, const Sphere& bound) const;
   void note_nearest(const Frame& f);
   void plan(Frame& f);
-  void plan_page(Frame& f, PageId id, ResidentPage& page);
+  bool make_test(const Frame& f, PageId id);
+  void run_tests(const Frame& f);
+  void plan_tests(Frame& f);
   void plan_fan(Frame& f, ResidentPage& page, std::uint32_t fan, double scale);
   void follow_merges(Frame& f);
   bool waits(Frame& f, const Operation& op);
@@ -147,7 +159,9 @@ class Cut {
   bool settled_ = false, finer_first_ = false;
   AdaptReport report_;
   OperationOrder coarsen_{OperationOrder::Direction::rising}, refine_{OperationOrder::Direction::falling};
-  std::vector<std::uint32_t> candidates_;
+  bool parallel_ = false;
+  std::size_t test_count_ = 0;
+  std::vector<PageTest> tests_;  // the first test_count_ are in use; the others keep their memory
   std::vector<GeometryPool::RunId> runs_;
   std::vector<PageId> drawn_;
   std::vector<Range> changed_vertices_;

@@ -163,6 +163,20 @@ TEST_F(Adapt, any_mix_of_paths_is_legal) {
   EXPECT_GT(fine, 0u);
 }
 
+TEST_F(Adapt, tests_in_parallel_move_the_same) {
+  const auto one = open(), many = open();
+  many->set_parallel(true);
+  std::mt19937 random(8);
+  for (int i = 0; i < 60; ++i) {
+    Budgets budgets;
+    if (i % 3 == 0) budgets.triangles = 2000;
+    const ErrorScale scale = ErrorScale::perspective(one->directory().grid, random_view(one->directory(), random), 4);
+    const auto a = one->adapt(scale, 0.3, budgets), b = many->adapt(scale, 0.3, budgets);
+    ASSERT_EQ(state_of(*one), state_of(*many)) << "frame " << i;
+    ASSERT_EQ(a.blocks_tested, b.blocks_tested);
+  }
+}
+
 /// The file is overwritten, cut short and removed while threads read it: coarser pictures and messages, no holes.
 TEST_F(Adapt, a_file_that_is_damaged_during_a_flight) {
   for (const bool cut_short : {false, true}) {

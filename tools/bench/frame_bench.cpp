@@ -112,6 +112,23 @@ void print_histogram(const Part& part) {
     fmt::print("  {:4.1f} - {:4.1f} ms {:5} {}\n", bin / 2.0, bin / 2.0 + 0.5, count, std::string(count / 20, '#'));
 }
 
+/// A sweep of all blocks, as after a jump of the threshold: wall time, on one thread and on all.
+void print_sweeps(Cut& cut, const ErrorScale& scale, double tau) {
+  for (const bool parallel : {false, true}) {
+    cut.set_parallel(parallel);
+    std::vector<double> ms;
+    std::uint32_t blocks = 0;
+    for (int i = 0; i < 11; ++i) {
+      const double start = clock_ms();
+      const AdaptReport r = cut.adapt(scale, tau * (1 + 1e-5 * (i % 2)), {});
+      ms.push_back(clock_ms() - start);
+      blocks = r.blocks_tested;
+    }
+    fmt::print("# all {} blocks, {}: {:.2f} ms\n", blocks, parallel ? "in parallel" : "one thread", quantile(ms, 0.5));
+  }
+  cut.set_parallel(false);
+}
+
 int cost(const char* path, std::FILE* csv) {
   const auto points = coarse_points(path);
   const auto cut = open(path, std::uint64_t{4} << 30, 0, thread_ms);
@@ -141,6 +158,7 @@ int cost(const char* path, std::FILE* csv) {
     very_slow.frames.push_back(cut->adapt(scale(550 + i * 0.05), tau, budgets));
     cut->draw_list();
   }
+  print_sweeps(*cut, scale(565), tau);
   for (const Part* p : {&still, &slow, &very_slow}) print_part(*p, csv);
   return 0;
 }
