@@ -1,7 +1,7 @@
-// cuesta-bench-fan compare NAME MESH FOLDER [up=x|y|z] [route] [dense]: tables 1 to 3 of the fan-hierarchy's paper, of one
-//   model: the fan-hierarchy against a view-dependence tree, on the same flights in one run. Appends to
-//   FOLDER/fan_*.csv; with `route` also its figure 10, for a terrain in the plane x, y; with `dense` also a slow flight
-//   over a large cut.
+// cuesta-bench-fan compare NAME MESH FOLDER [up=x|y|z] [route] [slow=TAU]...: tables 1 to 3 of the fan-hierarchy's paper,
+//   of one model: the fan-hierarchy against a view-dependence tree, on the same flights in one run. Appends to
+//   FOLDER/fan_*.csv; with `route`, for a terrain in the plane x, y, also its figure 10, and every frame; with `slow`
+//   also flights a tenth as fast with other tau.
 // cuesta-bench-fan scene OUT.ply MESH...: models side by side.
 // cuesta-bench-fan plot FOLDER: FOLDER/fan.svg.
 #include <fmt/format.h>
@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
 #include <functional>
@@ -80,22 +81,25 @@ class CsvFile {
 
 class Comparison {
  public:
-  Comparison(std::string name, std::filesystem::path folder)
-      : name_(std::move(name)), folder_(std::move(folder)) {}
+  /// @param keep_frames  write each frame, not only averages
+  Comparison(std::string name, std::filesystem::path folder, bool keep_frames)
+      : keep_frames_(keep_frames),
+        name_(std::move(name)),
+        folder_(std::move(folder)),
+        path_(std::filesystem::temp_directory_path() / (name_ + ".fan-bench.cuesta")) {}
+  ~Comparison() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+  }
+  Comparison(const Comparison&) = delete;
+  Comparison& operator=(const Comparison&) = delete;
 
   Result<void> build(const std::filesystem::path& mesh) {
-    const auto path = std::filesystem::temp_directory_path() / (name_ + ".fan-bench.cuesta");
-    auto one = bench::build_file(mesh, path, 1);
+    auto one = bench::build_file(mesh, path_, 1);
     if (!one) return fail(one.error());
-    auto two = bench::build_file(mesh, path, 2);
+    auto two = bench::build_file(mesh, path_, 2);
     if (!two) return fail(two.error());
-    auto file = CuestaFile::open(path);
-    if (!file) return fail(file.error());
-    const auto file_bytes = std::filesystem::file_size(path);
-    auto cut = Cut::open(std::move(*file), std::uint64_t{16} << 30, thread_ms);
-    std::filesystem::remove(path);
-    if (!cut) return fail(cut.error());
-    fan_ = std::move(*cut);
+    if (auto opened = open(); !opened) return opened;
     auto built = bench::build_tree(*fan_);
     if (!built) return fail(built.error());
     tree_ = std::move(built->tree);
@@ -110,27 +114,29 @@ class Comparison {
                         name_, d.vertices, d.triangles, one->ingest.processor, one->build.processor,
                         one->build.wall, two->build.processor, two->build.wall, built->build.processor,
                         built->build.wall, one->report.fans, one->report.substitutions,
-                        tree_.internal_nodes(), fan_bytes(), tree_.bytes(), 8, file_bytes, d.pages.size()));
+                        tree_.internal_nodes(), fan_bytes(), tree_.bytes(), 8, std::filesystem::file_size(path_), d.pages.size()));
     return {};
   }
 
   /// Writes what both do on the way: with the same tau, with as many triangles, and with as large an error on
   /// the screen.
-  void fly(const Way& way, bool is_route = false) {
+  Result<void> fly(const Way& way, bool is_route = false) {
+    if (auto opened = open(); !opened) return opened;
     const auto nominal = run(way, way.tau);
     write(way, "same tau", way.tau, nominal);
     const double triangles_tau =
         tau_of_equal_triangles(way, average_of(nominal, [](const Frame& f) { return f.fan.triangles; }));
     const auto equal = run(way, triangles_tau);
     write(way, "equal triangles", triangles_tau, equal);
-    write_frames(way, is_route, nominal, equal);
-    if (is_route) return;
+    if (keep_frames_) write_frames(way, is_route, nominal, equal);
+    if (is_route) return {};
     const double error_tau = tau_of_equal_error(way);
     write(way, "equal error", error_tau, run(way, error_tau));
+    return {};
   }
 
   /// Figure 10: from the lower left corner to the middle, in so many frames.
-  void fly_route(const View& size, int frames, const char* speed) {
+  Result<void> fly_route(const View& size, int frames, const char* speed) {
     const Grid& grid = fan_->directory().grid;
     const Vec3d lo = grid.world(fan_->directory().lo), hi = grid.world(fan_->directory().hi);
     const double above = hi.z + 0.05 * (hi.x - lo.x);
@@ -142,7 +148,7 @@ class Comparison {
       view.target = view.eye + (to - from) * 0.5 - Vec3d{0, 0, above - lo.z};
       way.views.push_back(view);
     }
-    fly(way, true);
+    return fly(way, true);
   }
 
   /// @param slower  so many times, over the middle of the way
@@ -159,6 +165,16 @@ class Comparison {
   }
 
  private:
+  /// A cut with no more than the base page: others come with the first run of a flight.
+  Result<void> open() {
+    auto file = CuestaFile::open(path_);
+    if (!file) return fail(file.error());
+    auto cut = Cut::open(std::move(*file), std::uint64_t{16} << 30, thread_ms);
+    if (!cut) return fail(cut.error());
+    fan_ = std::move(*cut);
+    return {};
+  }
+
   Vec3d world(std::uint32_t v) const {
     const Grid& grid = fan_->directory().grid;
     return grid.origin + vec_cast<double>(tree_.positions[v]) * grid.step;
@@ -212,7 +228,7 @@ class Comparison {
     return frames;
   }
 
-  /// Both in turn, frame by frame; times are medians.
+  /// Both in turn, frame by frame; times are medians, counts those of the last run.
   std::vector<Frame> run(const Way& way, double vdt_tau) {
     std::vector<std::vector<Frame>> all;
     for (int r = 0; r < runs; ++r) all.push_back(run_once(way, vdt_tau));
@@ -220,9 +236,9 @@ class Comparison {
       for (double Frame::*ms : {&Frame::fan_ms, &Frame::fan_list_ms, &Frame::vdt_ms}) {
         std::vector<double> times;
         for (const auto& frames : all) times.push_back(frames[i].*ms);
-        all[0][i].*ms = median(std::move(times));
+        all.back()[i].*ms = median(std::move(times));
       }
-    return all[0];
+    return all.back();
   }
 
   /// The largest tau (to 1 %) with which `too_fine` holds no longer.
@@ -341,8 +357,9 @@ class Comparison {
                                     [](unsigned n, const Frame& f) { return n + f.fan.pages_loaded; })));
   }
 
+  bool keep_frames_;
   std::string name_;
-  std::filesystem::path folder_;
+  std::filesystem::path folder_, path_;
   std::unique_ptr<Cut> fan_;
   ViewDependenceTree tree_;
   std::unique_ptr<VdtCut> vdt_;
@@ -350,24 +367,28 @@ class Comparison {
 
 Result<void> compare(int argc, char** argv) {
   View size;  // 1280 × 720, 60°
-  bool route = false, dense = false;
+  bool route = false;
+  std::vector<double> slow;
   for (int i = 5; i < argc; ++i) {
     route = route || std::strcmp(argv[i], "route") == 0;
-    dense = dense || std::strcmp(argv[i], "dense") == 0;
+    if (std::strncmp(argv[i], "slow=", 5) == 0) slow.push_back(std::atof(argv[i] + 5));
     if (std::strncmp(argv[i], "up=", 3) == 0)
       size.up = {double(argv[i][3] == 'x'), double(argv[i][3] == 'y'), double(argv[i][3] == 'z')};
   }
-  Comparison comparison(argv[2], argv[4]);
+  Comparison comparison(argv[2], argv[4], route);
   if (auto built = comparison.build(argv[3]); !built) return built;
-  comparison.fly(comparison.flight(FlightKind::fly_over, "fly-over", size));
-  if (!route) comparison.fly(comparison.flight(FlightKind::orbit, "orbit", size));
-  comparison.fly(comparison.flight(FlightKind::fly_over, "fly-over; 0.5 px", size, 0.5));
-  if (dense)
-    comparison.fly(
-        comparison.flight(FlightKind::fly_over, "fly-over a tenth as fast; 0.5 px", size, 0.5, 10));
-  if (route)
-    for (const auto& [speed, frames] : {std::pair{"slower", 1000}, {"slow", 100}, {"medium", 50}, {"fast", 10}})
-      comparison.fly_route(size, frames, speed);
+  std::vector<Way> ways{comparison.flight(FlightKind::fly_over, "fly-over", size)};
+  if (!route) ways.push_back(comparison.flight(FlightKind::orbit, "orbit", size));
+  ways.push_back(comparison.flight(FlightKind::fly_over, "fly-over; 0.5 px", size, 0.5));
+  for (const double tau : slow) {
+    const auto flight_name = fmt::format("fly-over a tenth as fast; {} px", tau);
+    ways.push_back(comparison.flight(FlightKind::fly_over, flight_name, size, tau, 10));
+  }
+  for (const Way& way : ways)
+    if (auto flown = comparison.fly(way); !flown) return flown;
+  if (!route) return {};
+  for (const auto& [speed, frames] : {std::pair{"slower", 1000}, {"slow", 100}, {"medium", 50}, {"fast", 10}})
+    if (auto flown = comparison.fly_route(size, frames, speed); !flown) return flown;
   return {};
 }
 
@@ -387,7 +408,7 @@ int main(int argc, char** argv) {
                       : is("plot", 3)
                           ? bench::draw_results(argv[2])
                           : fail(ErrorCode::invalid_input, "", "",
-                                 "usage: cuesta-bench-fan compare NAME MESH FOLDER [up=z] [route] [dense] | "
+                                 "usage: cuesta-bench-fan compare NAME MESH FOLDER [up=z] [route] [slow=TAU]... | "
                                  "scene OUT.ply MESH... | plot FOLDER");
   if (done) return 0;
   fmt::print(stderr, "cuesta-bench-fan: {}\n", done.error().text());
