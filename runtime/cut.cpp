@@ -103,6 +103,7 @@ void Cut::follow(const ErrorScale& scale, double tau, const Budgets& budgets) {
   else  // what was tested for another kind of scale says nothing
     for (const PageId id : cache_->resident_ids()) cache_->resident(id)->tested_limit = -1;
   velocity_ = velocity_ * 0.5 + step * 0.5;
+  shrunk_ = budgets.triangles < budgets_.triangles;
   scale_ = scale;
   tau_ = tau;
   budgets_ = budgets;
@@ -114,13 +115,13 @@ void Cut::follow(const ErrorScale& scale, double tau, const Budgets& budgets) {
 /// The threshold of this frame: the user's, raised by the regulator, at rest by what exactly fits, and by what the byte
 /// budget leaves.
 void Cut::choose_tau(Frame& f) {
-  const bool above = cache_->pool().active_triangles() > f.budgets.triangles;
-  if (above && !rest_tau_) {
+  if (shrunk_ && cache_->pool().active_triangles() > f.budgets.triangles) {
     triangle_demand_.restart();
     triangle_demand_.count(*cache_, f.scale, f.tau, f.budgets.triangles, [] { return false; });
     regulator_.set(triangle_demand_.tau());
     rest_tau_ = triangle_demand_.tau();
   }
+  shrunk_ = false;
   const bool still = still_frames_ > 0 || f.at_rest;
   const double regulated = still ? regulator_.at_least(f.tau) : regulator_.next(load_, f.tau);
   const double wanted = rest_tau_ ? *rest_tau_ : regulated;

@@ -81,6 +81,7 @@ class Cut {
   /// @post the cut is legal, also when pages are missing; triangles ≤ budget, unless the coarsest cut has
   /// more, or the cut came in above it and adapt_ms ended first.
   /// @error never; pages that cannot be read are in cache().errors(), and are drawn coarser.
+  /// A triangle budget below what is drawn is answered with a count of all fans, beyond adapt_ms, once.
   /// @cost O(resident pages + blocks without slack + changes); O(1) at rest. No allocation after warm-up but for pages.
   AdaptReport adapt(const ErrorScale& scale, double tau, const Budgets& budgets);
 
@@ -157,6 +158,7 @@ class Cut {
   std::optional<double> rest_tau_;  // what the triangle budget allows here, once it is known
   double load_ = 0;                 // share of the tightest budget that the last frame used
   bool settled_ = false, finer_first_ = false;
+  bool shrunk_ = false;  // the triangle budget has just become smaller
   AdaptReport report_;
   OperationOrder coarsen_{OperationOrder::Direction::rising}, refine_{OperationOrder::Direction::falling};
   bool parallel_ = false;

@@ -346,9 +346,12 @@ void add_flight(CLI::App& program, Common& common) {
                                  {"zoom-in", FlightKind::zoom_in},
                                  {"fly-over", FlightKind::fly_over}},
                                 s.kind));
-  c.app->add_option("--frames", s.frames, "number of frames; default 300")
-      ->type_name("N")
-      ->check(CLI::Range(2u, 1000000u));
+  auto* frames = c.app->add_option("--frames", s.frames, "number of frames; default 300")
+                     ->type_name("N")
+                     ->check(CLI::Range(2u, 1000000u));
+  add_parsed(c.app, "--speed", "SPEED", "slow, medium or fast: the way in 100, 50 or 10 frames",
+             one_of<std::uint64_t>({{"slow", 100}, {"medium", 50}, {"fast", 10}}, s.frames))
+      ->excludes(frames);
   c.app->add_option("--fps", s.fps, "frames per second; default 30")
       ->type_name("F")
       ->check(CLI::Range(1.0, 1000.0));
