@@ -23,6 +23,8 @@ constexpr std::uint32_t frames_to_rest = 8;
 /// Pages up to so many times the distance of the nearest one take the fine path, at up to this speed (of that distance,
 /// per frame); at twice the speed it is half as far.
 constexpr double fine_reach = 3, fine_speed = 0.02;
+/// A page on the fine path leaves it so much farther out than one on the coarse path takes it.
+constexpr double path_dead_band = 1.25;
 /// Pages are asked for that will be wanted in so many frames, but not at the cost of pages wanted less long ago.
 constexpr double prefetch_frames = 20;
 constexpr std::uint64_t prefetch_keeps_frames = 60;
@@ -170,22 +172,30 @@ void Cut::prefetch(Frame& f) {
   }
 }
 
-/// Distance of the nearest page that nothing resident leans on and that is on the cut.
+/// About how far the fans of a page are, also where the eye is in its bound.
+double Cut::typical_distance(const Frame& f, const Sphere& bound) const {
+  const double radius = bound.radius;
+  return std::max(length(vec_cast<double>(bound.centre) - f.scale.eye()) - radius / 2, radius / 2);
+}
+
+/// Of the pages on the cut that nothing resident leans on, how far the nearest is.
 void Cut::note_nearest(const Frame& f) {
   nearest_ = infinity;
-  for (const PageId id : cache_->resident_ids()) {
-    const ResidentPage& page = *cache_->resident(id);
-    if (page.finer_residents == 0 && !page.fully_coarse())
-      nearest_ = std::min(nearest_, f.scale.near(directory().pages[id].bound));
+  if (f.scale.is_uniform()) return;
+  for (const WantedPage& w : demand_.wanted()) {
+    const ResidentPage* page = cache_->resident(w.id);
+    if (page && page->finer_residents == 0)
+      nearest_ = std::min(nearest_, typical_distance(f, directory().pages[w.id].bound));
   }
 }
 
-FanPath Cut::path_for(const Frame& f, const Sphere& bound) const {
+FanPath Cut::path_for(const Frame& f, const Sphere& bound, FanPath now) const {
   if (policy_ == PathPolicy::always_coarse) return FanPath::coarse;
-  if (policy_ == PathPolicy::always_fine || f.at_rest || f.scale.is_uniform()) return FanPath::fine;
+  if (policy_ == PathPolicy::always_fine || f.at_rest || !(nearest_ < infinity)) return FanPath::fine;
   const double speed = length(velocity_) / nearest_;
   const double reach = nearest_ * fine_reach * std::min(1.0, fine_speed / std::max(speed, 1e-30));
-  return f.scale.near(bound) <= reach || !(nearest_ < infinity) ? FanPath::fine : FanPath::coarse;
+  const double distance = typical_distance(f, bound);
+  return distance <= reach * (now == FanPath::fine ? path_dead_band : 1) ? FanPath::fine : FanPath::coarse;
 }
 
 /// Finds what is to be moved, page by page in one direction. Where the time ends it, what leans on the planned part in
@@ -213,11 +223,12 @@ void Cut::plan(Frame& f) {
 /// @return false if nothing can have changed in the page.
 bool Cut::make_test(const Frame& f, PageId id) {
   ResidentPage& page = *cache_->resident(id);
+  if (page.fully_coarse() && page.last_wanted != frame_) return false;  // all of it is under the threshold
   const Sphere& bound = directory().pages[id].bound;
   const double factor = f.scale.page_factor(bound);
   const double limit = f.aim * f.scale.unit() * factor;
   const bool same_limit = std::abs(limit - page.tested_limit) <= ActiveNodes::limit_slack * std::abs(page.tested_limit);
-  const bool all = page.set_path(path_for(f, bound)) || !same_limit;
+  const bool all = page.set_path(path_for(f, bound, page.path())) || !same_limit;
   if (all) page.tested_limit = limit;
   if (!all && !page.active_nodes().due(travelled_)) return false;
   if (tests_.size() == test_count_) tests_.emplace_back();

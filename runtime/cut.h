@@ -123,7 +123,8 @@ class Cut {
   void choose_tau(Frame& f);
   void load_pages(Frame& f);
   void prefetch(Frame& f);
-  FanPath path_for(const Frame& f, const Sphere& bound) const;
+  double typical_distance(const Frame& f, const Sphere& bound) const;
+  FanPath path_for(const Frame& f, const Sphere& bound, FanPath now) const;
   void note_nearest(const Frame& f);
   void plan(Frame& f);
   bool make_test(const Frame& f, PageId id);

@@ -11,6 +11,9 @@ namespace {
 constexpr std::uint32_t bin_shift = 19;
 constexpr std::size_t bins = (0x7F800000u >> bin_shift) + 1;
 
+/// So many are sorted at once, without going through thousands of bins.
+constexpr std::size_t few = 512;
+
 bool before(const Operation& a, const Operation& b) {
   return std::tie(a.sse, a.page, a.fan) < std::tie(b.sse, b.page, b.fan);
 }
@@ -29,21 +32,23 @@ void OperationOrder::bin() {
   for (const Operation& op : operations_) scratch_[bin_end_[bin_of(op)]++] = op;
   operations_.swap(scratch_);  // bin_end_[b] is now the end of bin b
   bin_ = 0;
-  ready_ = true;
+}
+
+void OperationOrder::sort(std::size_t first, std::size_t last) {
+  const auto begin = operations_.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto end = operations_.begin() + static_cast<std::ptrdiff_t>(last);
+  if (direction_ == Direction::rising)
+    std::sort(begin, end, before);
+  else
+    std::sort(begin, end, [](const Operation& a, const Operation& b) { return before(b, a); });
+  sorted_ = last;
 }
 
 const Operation* OperationOrder::next() {
-  if (!ready_) bin();
-  while (next_ == sorted_) {
-    if (next_ == operations_.size()) return nullptr;
-    const auto first = operations_.begin() + static_cast<std::ptrdiff_t>(sorted_);
-    sorted_ = bin_end_[bin_++];
-    const auto last = operations_.begin() + static_cast<std::ptrdiff_t>(sorted_);
-    if (direction_ == Direction::rising)
-      std::sort(first, last, before);
-    else
-      std::sort(first, last, [](const Operation& a, const Operation& b) { return before(b, a); });
-  }
+  if (next_ == operations_.size()) return nullptr;
+  if (sorted_ == 0 && operations_.size() <= few) sort(0, operations_.size());
+  if (sorted_ == 0) bin();
+  while (next_ == sorted_) sort(sorted_, bin_end_[bin_++]);
   return &operations_[next_++];
 }
 

@@ -24,7 +24,7 @@ class OperationOrder {
   enum class Direction : std::uint8_t { rising, falling };
   explicit OperationOrder(Direction direction) : direction_(direction) {}
 
-  void clear() { operations_.clear(), sorted_ = next_ = 0, ready_ = false; }
+  void clear() { operations_.clear(), sorted_ = next_ = 0; }
   void add(const Operation& op) { operations_.push_back(op); }
   std::size_t size() const { return operations_.size(); }
   /// The next operation; ties in sse go finer pages and earlier fans first when rising, the other way round when
@@ -33,12 +33,12 @@ class OperationOrder {
 
  private:
   void bin();
+  void sort(std::size_t first, std::size_t last);
 
   Direction direction_;
   std::vector<Operation> operations_, scratch_;
   std::vector<std::uint32_t> bin_end_;
   std::size_t sorted_ = 0, next_ = 0, bin_ = 0;
-  bool ready_ = false;
 };
 
 }  // namespace cuesta
