@@ -18,12 +18,14 @@ namespace cuesta {
 /// With the limit of a view (the largest error that stays under τ at the fan), it must be undone below `undo_below`
 /// and may be applied from `apply_from` on.
 struct FanBand {
-  float undo_below = -std::numeric_limits<float>::infinity();
-  float apply_from = std::numeric_limits<float>::infinity();
+  ErrorCode8 undo_below = 0;          ///< 0: nothing is applied, or nothing that moves a point
+  ErrorCode8 apply_from = no_error;   ///< no_error: all is applied
+
+  static constexpr ErrorCode8 no_error = 255;
 };
 
-/// 36 bytes per fan. Positions are relative to an origin on the grid near the fans: f32 is exact to 2^-24 of the page
-/// around it.
+/// 18 bytes per fan and 8 per block. Spheres are kept on a 16-bit grid around the page: what that hides is taken off the
+/// slack, so a fan near its switch is told a little early.
 class ActiveNodes {
  public:
   static constexpr std::uint32_t block = 64;
@@ -32,7 +34,7 @@ class ActiveNodes {
 
   /// Fans alike in error and place share a block.
   /// @param errors  of the last substitution of each fan
-  void assign(Vec3i origin, std::span<const Sphere> spheres, std::span<const ErrorCode8> errors);
+  void assign(std::span<const Sphere> spheres, std::span<const ErrorCode8> errors);
 
   std::uint32_t fan_count() const { return static_cast<std::uint32_t>(node_of_fan_.size()); }
   void set_band(std::uint32_t fan, FanBand band) {
@@ -60,8 +62,10 @@ class ActiveNodes {
   std::uint64_t bytes() const;
 
  private:
-  Vec3d origin_;
-  std::vector<float> x_, y_, z_, radius_, undo_below_, apply_from_;  // in nodes, padded to whole blocks
+  Vec3d origin_{};                                // grid units
+  float place_unit_ = 1, radius_unit_ = 1;        // grid units per step of x_, y_, z_ and of radius_
+  std::vector<std::uint16_t> x_, y_, z_, radius_;  // of nodes, padded to whole blocks
+  std::vector<ErrorCode8> undo_below_, apply_from_;
   std::vector<std::uint32_t> fan_of_node_, node_of_fan_;
   std::vector<double> expiry_;  // per block: value of `travelled` from which it must be tested
   double expiry_least_ = -std::numeric_limits<double>::infinity();

@@ -28,6 +28,8 @@ constexpr double path_dead_band = 1.25;
 /// Pages are asked for that will be wanted in so many frames, but not at the cost of pages wanted less long ago.
 constexpr double prefetch_frames = 20;
 constexpr std::uint64_t prefetch_keeps_frames = 60;
+/// Beyond this speed, of the distance of the nearest page per frame, a camera jumps: where to, its path does not tell.
+constexpr double prefetch_speed = 0.25;
 
 template <class Element, class Run>
 void for_each(std::span<Element> elements, [[maybe_unused]] bool in_parallel, const Run& run) {
@@ -163,8 +165,10 @@ void Cut::load_pages(Frame& f) {
 
 void Cut::prefetch(Frame& f) {
   if (f.scale.is_uniform() || still_frames_ > 0 || f.report.pages_missing > 0 || cache_->busy() ||
-      f.budgets.page_loads == 0 || frame_ <= prefetch_keeps_frames || length(velocity_) == 0)
+      f.budgets.page_loads == 0 || frame_ <= prefetch_keeps_frames)
     return;
+  const double speed = length(velocity_);
+  if (speed == 0 || speed > nearest_ * prefetch_speed) return;
   for (const WantedPage& w :
        predicted_.find(*cache_, f.scale.moved(velocity_ * prefetch_frames), f.aim)) {
     if (cache_->busy()) return;

@@ -249,17 +249,11 @@ class PageReplay {
     out_.applied_ = out_.child_count();
     std::vector<ErrorCode8> errors;
     for (const FanState& f : out_.fans_) errors.push_back(out_.children_[f.first_child + f.child_count - 1u].error);
-    out_.nodes_.assign(origin(), out_.spheres_, errors);
+    out_.nodes_.assign(out_.spheres_, errors);
     for (std::size_t f = 0; f < out_.fans_.size(); ++f) out_.update_band(f);
     out_.entries_.shrink_to_fit();
     for (const PageSource& s : page_.sources)
       out_.sources_.push_back({s.page, s.first_triangle, s.triangles, s.vertices, s.local_vertices});
-  }
-
-  Vec3i origin() const {
-    if (out_.spheres_.empty()) return {};
-    const Vec3f c = out_.spheres_.front().centre;
-    return {static_cast<std::int32_t>(c.x), static_cast<std::int32_t>(c.y), static_cast<std::int32_t>(c.z)};
   }
 
   ResidentPage& out_;

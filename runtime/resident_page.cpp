@@ -79,7 +79,7 @@ bool ResidentPage::set_path(FanPath path) {
 
 void ResidentPage::update_band(std::size_t fan) {
   const FanState& f = fans_[fan];
-  const auto error = [&](std::uint32_t i) { return decode_error(children_[f.first_child + i].error); };
+  const auto error = [&](std::uint32_t i) { return children_[f.first_child + i].error; };
   FanBand band;
   if (f.applied > 0) band.undo_below = error(f.applied - 1u);
   if (f.applied < f.child_count)

@@ -119,12 +119,12 @@ void print_sweeps(Cut& cut, const ErrorScale& scale, double tau) {
     std::vector<double> ms;
     std::uint32_t blocks = 0;
     for (int i = 0; i < 11; ++i) {
-      const double start = clock_ms();
+      const double start = parallel ? clock_ms() : thread_ms();
       const AdaptReport r = cut.adapt(scale, tau * (1 + 1e-5 * (i % 2)), {});
-      ms.push_back(clock_ms() - start);
+      ms.push_back((parallel ? clock_ms() : thread_ms()) - start);
       blocks = r.blocks_tested;
     }
-    fmt::print("# all {} blocks, {}: {:.2f} ms\n", blocks, parallel ? "in parallel" : "one thread", quantile(ms, 0.5));
+    fmt::print("# all {} blocks, {}: {:.2f} ms\n", blocks, parallel ? "in parallel, wall" : "one thread", quantile(ms, 0.5));
   }
   cut.set_parallel(false);
 }
@@ -144,6 +144,16 @@ int cost(const char* path, std::FILE* csv) {
   fmt::print("# {}: {} triangles; cut of {} at tau {:.3f} px, {} pages, {:.0f} MiB\n", path,
              cut->directory().triangles, first.triangles, first.tau, cut->cache().resident_ids().size(),
              static_cast<double>(first.resident_bytes) / (1 << 20));
+  std::uint64_t real = 0, worst = 0;
+  for (const PageId id : cut->cache().resident_ids()) {
+    const PageEntry& e = cut->directory().pages[id];
+    const std::uint64_t bytes = cut->cache().resident(id)->bytes() +
+                                GeometryPool::page_bytes(e.owned_vertices, e.owned_triangles, false);
+    real += bytes;
+    worst = std::max(worst, bytes * 1000 / cut->cache().charge(id));
+  }
+  fmt::print("# pages take {:.0f} MiB, a page at most {:.2f} of its charge\n", static_cast<double>(real) / (1 << 20),
+             static_cast<double>(worst) / 1000);
   const double tau = first.tau;
   budgets.triangles = std::numeric_limits<std::uint64_t>::max();
   cut->settle(scale(400), tau, budgets);
