@@ -53,7 +53,7 @@ class Crs {
   /// NaN outside of the projection's picture of the Earth: beyond a pole, outside the fan of a conic, farther
   /// from the central meridian than transverse_mercator_reach_deg. Longitudes of geographic systems and
   /// eastings of Mercator wrap around. Latitudes up to 1e-9 degrees beyond a pole are taken as the pole.
-  /// @cost 0.05 µs (geographic) to 1 µs (Albers); no allocation.
+  /// @cost 0.04 µs (geographic) to 0.6 µs (Lambert); no allocation.
   LatLon lat_lon(PlanePoint p) const;
 
   /// The inverse; longitudes of geographic systems in [-180, 180]. NaN where `at` has no coordinates: a

@@ -45,7 +45,7 @@ class Geoid {
   ~Geoid();
 
   /// N in metres. NaN where the position is NaN or beyond a pole, or where the file can no longer be read.
-  /// @cost 0.1 µs in memory; about 10 µs from the file.
+  /// @cost 0.16 µs in memory; from the file about 7 µs, and 0.07 µs within the same cell of the grid.
   double undulation_m(LatLon at) const;
 
   /// The same for many positions. @pre the spans are equally long.
