@@ -142,13 +142,19 @@ class AsciiGrid final : public BlockRaster {
   Result<void> read_numbers(TextCursor& cursor, std::uint64_t count, std::span<std::byte> samples) const {
     for (std::uint64_t i = 0; i < count; ++i) {
       cursor.skip_spaces();
+      const char* const first = cursor.at;
       const auto value = cursor.real();
-      if (!value || !cursor.at_word_end())
-        return file_.error(ErrorCode::corrupt, place_of(file_, cursor.at),
-                           "expected a height, found " + quote_word(cursor.word()));
+      if (!value || !cursor.at_word_end()) return not_a_height(first);
       std::memcpy(samples.data() + i * sizeof(double), &*value, sizeof(double));
     }
     return {};
+  }
+
+  tl::unexpected<Error> not_a_height(const char* at) const {
+    const std::string_view text = file_.text();
+    const std::string_view word = TextCursor{at, text.data() + text.size()}.word();
+    return file_.error(ErrorCode::corrupt, place_of(file_, at),
+                       "expected a height, found " + quote_word(word));
   }
 
   RasterFile file_;

@@ -70,23 +70,23 @@ struct Placement {
 /// the same; options go before it, and both before the file.
 struct RasterOptions {
   RasterFormat format = RasterFormat::detect;
-  std::optional<Placement> placement;
-  std::optional<std::uint32_t> epsg;
-  std::optional<VerticalDatum> vertical_datum;
-  std::optional<double> no_data;  ///< instead of the file's own
-  std::optional<double> scale, offset, unit_m;
+  std::optional<Placement> placement = {};
+  std::optional<std::uint32_t> epsg = {};
+  std::optional<VerticalDatum> vertical_datum = {};
+  std::optional<double> no_data = {};  ///< instead of the file's own
+  std::optional<double> scale = {}, offset = {}, unit_m = {};
 
   // raw
-  std::optional<SampleType> type;
-  std::optional<ByteOrder> byte_order;
-  std::optional<std::uint64_t> width, height, header_bytes;
+  std::optional<SampleType> type = {};
+  std::optional<ByteOrder> byte_order = {};
+  std::optional<std::uint64_t> width = {}, height = {}, header_bytes = {};
 
-  std::optional<PngHeights> png_heights;
-  std::optional<unsigned> zoom;         ///< tiles: level to read; without it the finest that is there
-  std::optional<std::string> variable;  ///< netCDF: which one
+  std::optional<PngHeights> png_heights = {};
+  std::optional<unsigned> zoom = {};         ///< tiles: level to read; without it the finest that is there
+  std::optional<std::string> variable = {};  ///< netCDF: which one
 
   std::uint64_t cache_bytes = std::uint64_t{16} << 20;  ///< for decoded blocks; at least one is kept
-  std::filesystem::path temp;  ///< folder for what must be unpacked as a whole, as for temp_folder()
+  std::filesystem::path temp = {};  ///< folder for what must be unpacked as a whole, as for temp_folder()
 };
 
 /// A block (tile, strip, chunk) larger than this is not decoded at once: such strips are unpacked to a

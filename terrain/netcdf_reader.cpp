@@ -245,6 +245,11 @@ Result<void> read_meaning(const NetcdfFile& file, const Grid& grid, const Raster
   for (const double value : file.numbers(grid.variable, "missing_value")) meaning.no_data.push_back(value);
   if (const auto usual = default_fill(grid.type); fill.empty() && usual) meaning.no_data.push_back(*usual);
   std::erase_if(meaning.no_data, [](double value) { return std::isnan(value); });
+  if (grid.type == NC_FLOAT) {  // a value written in more digits than the samples have
+    for (double& value : meaning.no_data) {
+      if (std::abs(value) <= double(std::numeric_limits<float>::max())) value = double(float(value));
+    }
+  }
   if (const auto v = file.numbers(grid.variable, "valid_min"); v.size() == 1) meaning.least = v[0];
   if (const auto v = file.numbers(grid.variable, "valid_max"); v.size() == 1) meaning.most = v[0];
   if (const auto v = file.numbers(grid.variable, "valid_range"); v.size() == 2) {
