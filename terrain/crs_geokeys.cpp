@@ -10,6 +10,7 @@
 
 #include "terrain/crs_datum.h"
 #include "terrain/crs_epsg.h"
+#include "terrain/crs_wkt.h"
 
 namespace cuesta {
 namespace {
@@ -231,6 +232,11 @@ Result<CrsDefinition> own_datum(KeyReader& keys) {
     const double minor_m = keys.number(geog_semi_minor).value_or(*major_m);
     inverse = minor_m == *major_m ? 0 : *major_m / (*major_m - minor_m);
   }
+  if (!(std::abs(*major_m - wgs84_ellipsoid.equatorial_radius_m) < 30000)) {
+    return key_fault(
+        geog_semi_major, ErrorCode::unsupported_version,
+        fmt::format("a radius of {} m is not the Earth's; only the Earth is supported", *major_m));
+  }
   if (!(std::abs(*major_m - wgs84_ellipsoid.equatorial_radius_m) < 0.1 &&
         std::abs(inverse - 298.25722) < 1e-4)) {
     return key_fault(
@@ -427,8 +433,10 @@ Result<Crs> crs_of(const CrsDescription& description) {
       return Crs::from_definition(std::move(*definition));
     }
     case CrsDescription::Kind::wkt:
-      return fail(ErrorCode::invalid_input, "", "",
-                  "a reference system in well-known text is not read; name it with --crs EPSG:n");
+      if (const auto code = epsg_of_wkt(description.text)) return Crs::from_epsg(*code);
+      return fail(
+          ErrorCode::invalid_input, "", "",
+          "the well-known text of the reference system has no EPSG code; name the system with --crs EPSG:n");
     case CrsDescription::Kind::unknown:
       break;
   }

@@ -20,8 +20,8 @@ namespace cuesta {
 Result<CrsDefinition> crs_from_geokeys(std::span<const GeoKey> keys);
 
 /// The system of a raster as its reader describes it.
-/// @error as above; not_found where the file does not say, invalid_input for well-known text without a code.
-///        The message tells to use --crs.
+/// @error as above; not_found where the file does not say, invalid_input for well-known text without a code
+///        (crs_wkt.h). The message tells to use --crs.
 Result<Crs> crs_of(const CrsDescription& description);
 
 }  // namespace cuesta

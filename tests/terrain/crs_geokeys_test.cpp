@@ -144,6 +144,9 @@ TEST(CrsGeoKeys, Datums) {
       has(refusal({code(1024, 2), code(2048, 32767), number(2057, 6378206.4), number(2059, 294.9786982)},
                   ErrorCode::unsupported_version),
           "6378206.4"));
+  EXPECT_TRUE(has(refusal({code(1024, 2), code(2048, 32767), number(2057, 3396190), number(2058, 3396190)},
+                          ErrorCode::unsupported_version),
+                  "not the Earth's"));
   const GeoKey shift{2062, std::vector<double>{-87, -98, -121}};
   EXPECT_TRUE(has(
       refusal({code(1024, 2), code(2048, 32767), code(2056, 7030), shift}, ErrorCode::unsupported_version),
@@ -189,6 +192,8 @@ TEST(CrsGeoKeys, DescriptionsOfReaders) {
   EXPECT_EQ(crs_of(said)->definition().longitude_origin_deg, -177);
   said.kind = CrsDescription::Kind::wkt;
   EXPECT_EQ(crs_of(said).error().code, ErrorCode::invalid_input);
+  said.text = "PROJCS[\"WGS_1984_UTM_Zone_33N\",GEOGCS[\"GCS_WGS_1984\",DATUM[\"D_WGS_1984\"]]]";
+  EXPECT_EQ(crs_of(said)->definition().name, "EPSG:32633 (WGS 84 / UTM zone 33N)");
 }
 
 }  // namespace
