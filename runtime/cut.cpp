@@ -113,14 +113,19 @@ void Cut::follow(const ErrorScale& scale, double tau, const Budgets& budgets) {
   budgets_ = budgets;
   settled_ = false;
   rest_tau_.reset();
+  recount();
+}
+
+void Cut::recount() {
   triangle_demand_.restart();
+  counted_ = filling_ = false;
 }
 
 /// The threshold of this frame: the user's, raised by the regulator, at rest by what exactly fits, and by what the byte
 /// budget leaves.
 void Cut::choose_tau(Frame& f) {
   if (shrunk_ && cache_->pool().active_triangles() > f.budgets.triangles) {
-    triangle_demand_.restart();
+    recount();
     triangle_demand_.count(*cache_, f.scale, f.tau, f.budgets.triangles, [] { return false; });
     regulator_.set(triangle_demand_.tau());
     rest_tau_ = triangle_demand_.tau();
@@ -135,6 +140,7 @@ void Cut::choose_tau(Frame& f) {
   if (f.floor > from) f.floor = Regulator::step_up(f.floor);
   f.aim = std::max(wanted, f.floor);
   f.report.tau = f.aim;
+  if (filling_) f.aim = std::max(triangle_demand_.next_tau(), f.floor);
   if (f.floor > from) f.report.bound_by = Binding::resident_bytes;
 }
 
@@ -393,24 +399,29 @@ bool Cut::refine(Frame& f) {
   return true;
 }
 
-/// Where nothing is left to do at this threshold: is it the least that the triangle budget allows?
+/// Where nothing is left to do at this threshold: is it the least that the triangle budget allows, and is there room for a
+/// part of the next step?
 void Cut::rest(Frame& f) {
   const bool done = f.all_planned && f.coarsened && f.refined && f.report.pages_missing == 0 && !f.merges_wait;
   const bool moved = f.report.coarse_operations + f.report.fine_operations + f.report.pages_loaded > 0;
-  if (!done || moved || (still_frames_ == 0 && !f.at_rest)) return;
+  if (!done || moved || !f.at_rest) return;
   const bool free = !f.blocked && f.aim == f.floor;
-  if (!free) {
+  if (!free && !counted_) {
     const auto late = [&] { return out_of_time(f, 1); };
-    if (!triangle_demand_.count(*cache_, f.scale, f.floor, f.budgets.triangles, late)) {
+    counted_ = triangle_demand_.count(*cache_, f.scale, f.floor, f.budgets.triangles, late);
+    if (!counted_) {
       f.report.bound_by = Binding::adapt_time;
       return;
     }
     rest_tau_ = triangle_demand_.tau();
     regulator_.set(*rest_tau_);
-    if (*rest_tau_ != f.aim) return;
-    f.report.bound_by = Binding::triangles;
   }
-  settled_ = f.at_rest && cache_->on_their_way() == 0;
+  if (!free && !filling_) {
+    filling_ = *rest_tau_ == f.aim;
+    return;
+  }
+  if (filling_) f.report.bound_by = Binding::triangles;
+  settled_ = cache_->on_their_way() == 0;
 }
 
 AdaptReport Cut::adapt(const ErrorScale& scale, double tau, const Budgets& budgets) {
@@ -430,7 +441,6 @@ AdaptReport Cut::adapt(const ErrorScale& scale, double tau, const Budgets& budge
     report.adapt_ms = clock_() - start;
     return report;
   }
-  if (report.pages_loaded > 0) triangle_demand_.restart();
   f.at_rest = still_frames_ >= frames_to_rest || scale.is_uniform();
   choose_tau(f);
   load_pages(f);
@@ -438,11 +448,12 @@ AdaptReport Cut::adapt(const ErrorScale& scale, double tau, const Budgets& budge
     report.load_ms = clock_() - start;
     f.start_ms += report.load_ms;
   }
-  if (report.pages_loaded > 0) triangle_demand_.restart();
+  if (report.pages_loaded > 0 && !filling_) recount();
   note_nearest(f);
   plan(f);
   if (f.all_planned || finer_first_) f.coarsened = coarsen(f) && f.all_planned;
-  if (f.all_planned || !finer_first_) f.refined = refine(f) && f.all_planned;
+  const bool wait = filling_ && report.pages_missing > 0;  // what comes may be worse than what is there
+  if ((f.all_planned || !finer_first_) && !wait) f.refined = refine(f) && f.all_planned;
   if (!f.all_planned) {
     report.bound_by = Binding::adapt_time;
     finer_first_ = !finer_first_;

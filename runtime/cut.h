@@ -75,7 +75,8 @@ class Cut {
   /// Refines and coarsens until every substitution with sse > `tau` is undone and every other applied, or a
   /// budget binds. Coarsens by rising sse, refines by falling sse, so wherever it stops the cut is legal. Where the
   /// view does not change from call to call, the cut comes to rest at the one that the same arguments give from
-  /// everywhere: with the least threshold that the triangle and byte budgets allow.
+  /// everywhere: with the least threshold that the triangle and byte budgets allow, and of the next step of
+  /// thresholds the worst, as far as the triangles go.
   /// @param tau  pixels (uniform: world units); substitutions with sse ≤ tau are applied. Negative: nothing
   /// is applied, the full resolution.
   /// @post the cut is legal, also when pages are missing; triangles ≤ budget, unless the coarsest cut has
@@ -120,6 +121,7 @@ class Cut {
     std::vector<std::uint32_t> candidates;
   };
   void follow(const ErrorScale& scale, double tau, const Budgets& budgets);
+  void recount();
   void choose_tau(Frame& f);
   void load_pages(Frame& f);
   void prefetch(Frame& f);
@@ -157,6 +159,8 @@ class Cut {
   Regulator regulator_;
   TriangleDemand triangle_demand_;
   std::optional<double> rest_tau_;  // what the triangle budget allows here, once it is known
+  bool counted_ = false;            // by triangle_demand_, with the pages that are resident
+  bool filling_ = false;            // at rest at rest_tau_; the worst of what is next take what is left of the budget
   double load_ = 0;                 // share of the tightest budget that the last frame used
   bool settled_ = false, finer_first_ = false;
   bool shrunk_ = false;  // the triangle budget has just become smaller

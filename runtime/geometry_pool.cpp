@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint64_t vertex_block_bytes = GeometryPool::block * sizeof(DrawVertex);
 constexpr std::uint64_t texcoord_block_bytes = GeometryPool::block * sizeof(TexCoord);
-constexpr std::uint64_t triangle_block_bytes = GeometryPool::block * 20;
+constexpr std::uint64_t triangle_block_bytes = std::uint64_t{GeometryPool::block} * 20;
 
 /// The last number names nothing, so that handles · 4 + 3 and slots fit 32 bits.
 constexpr std::uint64_t most_blocks = (std::uint64_t{1} << 30) / GeometryPool::block - 1;

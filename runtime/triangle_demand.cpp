@@ -58,14 +58,16 @@ void TriangleDemand::add_page(const ResidentPage& page, const ErrorScale& scale,
 
 void TriangleDemand::finish(double floor, std::uint64_t triangle_budget) {
   std::uint64_t total = coarsest_;
-  tau_ = floor;
-  if (total > triangle_budget) tau_ = std::numeric_limits<double>::infinity();
+  tau_ = next_tau_ = floor;
+  if (total > triangle_budget) tau_ = next_tau_ = std::numeric_limits<double>::infinity();
   for (std::size_t bin = bins; bin-- > 0 && total <= triangle_budget;) {
     total += gain_[bin];
-    if (total > triangle_budget)
-      tau_ = bin + 1 == bins ? std::numeric_limits<double>::max() : std::nextafter(bin_floor(bin + 1), 0);
+    if (total <= triangle_budget) continue;
+    tau_ = bin + 1 == bins ? std::numeric_limits<double>::max() : std::nextafter(bin_floor(bin + 1), 0);
+    next_tau_ = bin == 0 ? floor : std::nextafter(bin_floor(bin), 0);
   }
   tau_ = std::max(tau_, floor);
+  next_tau_ = std::max(next_tau_, floor);
 }
 
 }  // namespace cuesta

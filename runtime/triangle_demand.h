@@ -21,6 +21,8 @@ class TriangleDemand {
   /// Of the count that is done: substitutions with sse up to this applied, the others undone, fits the budget.
   /// At least `floor`; infinite where nothing fits. Above `floor` one of 128 steps of an octave.
   double tau() const { return tau_; }
+  /// The next step below tau(), which would not fit as a whole; tau() where there is none.
+  double next_tau() const { return next_tau_; }
 
  private:
   void add_page(const ResidentPage& page, const ErrorScale& scale, double factor, double floor);
@@ -30,7 +32,7 @@ class TriangleDemand {
   std::size_t next_ = 0;
   std::uint64_t coarsest_ = 0;
   std::vector<std::uint64_t> gain_;
-  double tau_ = 0;
+  double tau_ = 0, next_tau_ = 0;
 };
 
 }  // namespace cuesta
