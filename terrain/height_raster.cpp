@@ -154,6 +154,11 @@ Result<void> check_info(const RasterInfo& info, const RasterFile& file) {
   return {};
 }
 
+RasterResult open_raster(RasterFile file, const RasterOptions& options) {
+  const RasterFormat format = format_of(file, options);
+  return open_as(format, std::move(file), options);
+}
+
 Result<std::unique_ptr<HeightRaster>> open_height_raster(const std::filesystem::path& path,
                                                          const RasterOptions& given) {
   RasterOptions options = given;
@@ -167,8 +172,7 @@ Result<std::unique_ptr<HeightRaster>> open_height_raster(const std::filesystem::
   } else {
     auto file = open_raster_file(path, options.temp);
     if (!file) return fail(std::move(file).error());
-    const RasterFormat format = format_of(*file, options);
-    raster = open_as(format, std::move(*file), options);
+    raster = open_raster(std::move(*file), options);
   }
   if (raster && *sidecar) (*raster)->info_.files.push_back(sidecar_path(path).string());
   return raster;

@@ -19,6 +19,10 @@ RasterResult open_raw(RasterFile file, const RasterOptions& options);
 RasterResult open_netcdf(RasterFile file, const RasterOptions& options);
 RasterResult open_tile_folder(const std::filesystem::path& folder, const RasterOptions& options);
 
+/// The reader that content, options and name call for. @pre check_options() was good; no sidecar is looked
+/// for.
+RasterResult open_raster(RasterFile file, const RasterOptions& options);
+
 /// Beyond this the sizes of a raster are not believed.
 inline constexpr std::uint64_t most_postings_per_side = std::uint64_t{1} << 31;
 inline constexpr std::uint64_t most_postings = std::uint64_t{1} << 48;

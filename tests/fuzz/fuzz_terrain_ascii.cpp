@@ -1,0 +1,3 @@
+#include "tests/fuzz/fuzz_terrain.h"
+
+FUZZ_RASTER("a.asc", .format = cuesta::RasterFormat::ascii_grid)

@@ -1,0 +1,3 @@
+#include "tests/fuzz/fuzz_terrain.h"
+
+FUZZ_RASTER("a.png", .format = cuesta::RasterFormat::png, .png_heights = cuesta::PngHeights::terrarium)
