@@ -321,7 +321,7 @@ void add_view(CLI::App& program, Common& common) {
   add_camera(c.app, s.camera);
   add_camera_frame(c.app, s.view);
   c.app->add_flag("--full-screen", s.full_screen, "begin in full screen");
-  add_render_budgets(c.app, s, {"4", "16M", "2", "0"});
+  add_render_budgets(c.app, s, {"4", "16M", "2", "250"});
   add_look(c.app, s.draw);
   add_path(c.app, "--flight", s.flight, "flight to play at the start (see cuesta flight)");
   c.app->add_option("--press", s.press, "keys to press at the start: names such as \"2 x f6\"")

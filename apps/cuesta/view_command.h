@@ -19,7 +19,7 @@ struct ViewSettings {
   std::optional<CameraText> camera;
   double tau_px = 1;
   double outside_factor = 4;
-  double geomorph_ms = 0;
+  double geomorph_ms = 250;
   Budgets budgets{.adapt_ms = 4, .upload_bytes = 16ull << 20};
   std::uint64_t cache_bytes = 1ull << 30;  ///< of all files together
   std::uint32_t load_threads = 2;          ///< of each file; 0: frames wait for pages
