@@ -126,7 +126,8 @@ void Cut::recount() {
 void Cut::choose_tau(Frame& f) {
   if (shrunk_ && cache_->pool().active_triangles() > f.budgets.triangles) {
     recount();
-    triangle_demand_.count(*cache_, f.scale, f.tau, f.budgets.triangles, [] { return false; });
+    triangle_demand_.count(*cache_, f.scale, [&](PageId id) { return factor_of(f.scale, id); }, f.tau,
+                           f.budgets.triangles, [] { return false; });
     regulator_.set(triangle_demand_.tau());
     rest_tau_ = triangle_demand_.tau();
   }
@@ -167,6 +168,31 @@ void Cut::load_pages(Frame& f) {
     ++f.report.pages_missing;
     f.undone_sse = std::max(f.undone_sse, w.sse);
   }
+}
+
+/// Factors of visual error. A page takes no larger one than the pages that lean on it, of those that are wanted: what leans
+/// on a page that is not is applied anyway.
+void Cut::weigh_pages(const Frame& f) {
+  if (!visual_.on() || f.scale.is_uniform()) {
+    visual_factor_.clear();
+    return;
+  }
+  visual_factor_.assign(directory().pages.size(), visual_.facing_factor);
+  const auto wanted = demand_.wanted();
+  for (std::size_t i = wanted.size(); i-- > 0;) {
+    const PageId id = wanted[i].id;
+    const ResidentPage* page = cache_->resident(id);
+    if (!page) continue;
+    const PageEntry& e = directory().pages[id];
+    double& factor = visual_factor_[id];
+    factor = std::min(factor, visual_.page_factor(page->normals(), e.bound, f.scale.eye()));
+    for (const PageId c : e.coarser) visual_factor_[c] = std::min(visual_factor_[c], factor);
+  }
+}
+
+double Cut::factor_of(const ErrorScale& scale, PageId id) const {
+  const double factor = scale.page_factor(directory().pages[id].bound);
+  return visual_factor_.empty() ? factor : factor * visual_factor_[id];
 }
 
 void Cut::prefetch(Frame& f) {
@@ -235,7 +261,7 @@ bool Cut::make_test(const Frame& f, PageId id) {
   ResidentPage& page = *cache_->resident(id);
   if (page.fully_coarse() && page.last_wanted != frame_) return false;  // all of it is under the threshold
   const Sphere& bound = directory().pages[id].bound;
-  const double factor = f.scale.page_factor(bound);
+  const double factor = factor_of(f.scale, id);
   const double limit = f.aim * f.scale.unit() * factor;
   const bool same_limit = std::abs(limit - page.tested_limit) <= ActiveNodes::limit_slack * std::abs(page.tested_limit);
   const bool all = page.set_path(path_for(f, bound, page.path())) || !same_limit;
@@ -293,7 +319,7 @@ void Cut::follow_merges(Frame& f) {
     const Geomorphs::Merge& m = geomorphs_.merges()[i];
     const ResidentPage& page = *cache_->resident(m.page);
     const auto children = page.children(page.fans()[m.fan]);
-    const double scale = f.scale.scale(page.sphere(m.fan), f.scale.page_factor(directory().pages[m.page].bound));
+    const double scale = f.scale.scale(page.sphere(m.fan), factor_of(f.scale, m.page));
     const std::uint16_t wanted = count_up_to(children, scale, f.aim);
     if (wanted < m.goal) {
       geomorphs_.call_off(static_cast<std::uint32_t>(i));
@@ -408,7 +434,8 @@ void Cut::rest(Frame& f) {
   const bool free = !f.blocked && f.aim == f.floor;
   if (!free && !counted_) {
     const auto late = [&] { return out_of_time(f, 1); };
-    counted_ = triangle_demand_.count(*cache_, f.scale, f.floor, f.budgets.triangles, late);
+    counted_ = triangle_demand_.count(*cache_, f.scale, [&](PageId id) { return factor_of(f.scale, id); }, f.floor,
+                                      f.budgets.triangles, late);
     if (!counted_) {
       f.report.bound_by = Binding::adapt_time;
       return;
@@ -449,6 +476,7 @@ AdaptReport Cut::adapt(const ErrorScale& scale, double tau, const Budgets& budge
     f.start_ms += report.load_ms;
   }
   if (report.pages_loaded > 0 && !filling_) recount();
+  weigh_pages(f);
   note_nearest(f);
   plan(f);
   if (f.all_planned || finer_first_) f.coarsened = coarsen(f) && f.all_planned;
@@ -498,7 +526,7 @@ double Cut::achieved(const ErrorScale& scale) const {
   double worst = 0;
   for (const PageId id : cache_->resident_ids()) {
     const ResidentPage& page = *cache_->resident(id);
-    const double factor = scale.page_factor(directory().pages[id].bound);
+    const double factor = factor_of(scale, id);
     for (std::size_t f = 0; f < page.fans().size(); ++f) {
       const FanState& fan = page.fans()[f];
       if (fan.applied > 0)

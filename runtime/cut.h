@@ -18,6 +18,7 @@
 #include "runtime/page_demand.h"
 #include "runtime/regulator.h"
 #include "runtime/triangle_demand.h"
+#include "runtime/visual_error.h"
 
 namespace cuesta {
 
@@ -94,6 +95,8 @@ class Cut {
   double achieved(const ErrorScale& scale) const;
 
   void set_path_policy(PathPolicy policy) { policy_ = policy, settled_ = false; }
+  /// What faces the eye may be coarser; off by default. Pages are loaded as without it.
+  void set_visual_error(const VisualError& visual) { visual_ = visual, scale_.reset(); }
   /// Length of the blends on the fine path; 0, the default: none. settle() ends all that are under way.
   void set_geomorph_ms(double ms) { geomorphs_.set_duration_ms(ms); }
   /// Blocks of many pages are tested by all threads of the caller's oneTBB arena; off by default. The cut is the same.
@@ -124,6 +127,8 @@ class Cut {
   void recount();
   void choose_tau(Frame& f);
   void load_pages(Frame& f);
+  void weigh_pages(const Frame& f);
+  double factor_of(const ErrorScale& scale, PageId id) const;
   void prefetch(Frame& f);
   double typical_distance(const Frame& f, const Sphere& bound) const;
   FanPath path_for(const Frame& f, const Sphere& bound, FanPath now) const;
@@ -154,6 +159,8 @@ class Cut {
   double nearest_ = 0;              // distance of the nearest page on the cut, grid units
   PathPolicy policy_ = PathPolicy::by_motion;
 
+  VisualError visual_;
+  std::vector<double> visual_factor_;  // per page; 1 where it is not wanted
   Geomorphs geomorphs_;
   PageDemand demand_, predicted_;
   Regulator regulator_;

@@ -50,6 +50,7 @@ class PageReplay {
     enter_triangles();
     if (!resolve_triangles(coarser))
       return misfit(out_.id_, "surviving triangles do not match the coarser pages");
+    find_normals();
     finish_entries();
     finish_fans();
     return {};
@@ -219,6 +220,20 @@ class PageReplay {
     }
     return resolved == survivors.size() && std::find(out_.triangle_ref_.begin(), out_.triangle_ref_.end(),
                                                      no_entry) == out_.triangle_ref_.end();
+  }
+
+  void find_normals() {
+    const auto place = [&](std::uint32_t v) {
+      const DrawVertex& p = out_.pool_.vertex(out_.vertex_slot_[v]);
+      return Vec3d{static_cast<double>(p.x), static_cast<double>(p.y), static_cast<double>(p.z)};
+    };
+    std::vector<Vec3f> normals;
+    normals.reserve(page_.triangles.size());
+    for (const auto& t : page_.triangles) {
+      const Vec3d a = place(t[0]), n = cross(place(t[1]) - a, place(t[2]) - a);
+      if (length(n) > 0) normals.push_back(vec_cast<float>(normalized(n)));
+    }
+    out_.normals_ = NormalCone::around(normals);
   }
 
   void finish_entries() {

@@ -12,6 +12,7 @@
 #include "ooc/result.h"
 #include "runtime/active_nodes.h"
 #include "runtime/geometry_pool.h"
+#include "runtime/visual_error.h"
 
 namespace cuesta {
 
@@ -80,6 +81,8 @@ class ResidentPage {
   std::uint32_t child_count() const { return static_cast<std::uint32_t>(children_.size() - 1); }
   bool fully_coarse() const { return applied_ == child_count(); }
 
+  /// Of the page's triangles at the start of its round.
+  const NormalCone& normals() const { return normals_; }
   ActiveNodes& active_nodes() { return nodes_; }
   FanPath path() const { return path_; }
   /// @return true if it was another: then all blocks are due.
@@ -117,6 +120,7 @@ class ResidentPage {
   std::vector<SourceTable> sources_;
   std::vector<TriangleHandle> survivors_;    // base page: until they are drawn
   ActiveNodes nodes_;
+  NormalCone normals_;
   std::uint32_t applied_ = 0;
 };
 

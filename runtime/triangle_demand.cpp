@@ -21,8 +21,8 @@ double bin_floor(std::size_t bin) { return std::bit_cast<double>((lowest + bin) 
 
 }  // namespace
 
-bool TriangleDemand::count(const PageCache& cache, const ErrorScale& scale, double floor,
-                           std::uint64_t triangle_budget, const std::function<bool()>& out_of_time) {
+bool TriangleDemand::count(const PageCache& cache, const ErrorScale& scale,
+                           const std::function<double(PageId)>& factor, double floor, std::uint64_t triangle_budget, const std::function<bool()>& out_of_time) {
   if (!running_) {
     gain_.assign(bins, 0);
     coarsest_ = cache.pool().active_triangles();
@@ -32,7 +32,7 @@ bool TriangleDemand::count(const PageCache& cache, const ErrorScale& scale, doub
   for (; next_ < cache.resident_ids().size(); ++next_) {
     if (out_of_time()) return false;
     const PageId id = cache.resident_ids()[next_];
-    add_page(*cache.resident(id), scale, scale.page_factor(cache.directory().pages[id].bound), floor);
+    add_page(*cache.resident(id), scale, factor(id), floor);
   }
   finish(floor, triangle_budget);
   running_ = false;

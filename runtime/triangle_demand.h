@@ -15,9 +15,10 @@ class TriangleDemand {
  public:
   void restart() { next_ = 0, running_ = false; }
   /// Goes on counting until it is done or `out_of_time`.
+  /// @param factor  of a page, by its id
   /// @return true when done; the resident pages must not change from the first call to the last, a restart() aside.
-  bool count(const PageCache& cache, const ErrorScale& scale, double floor, std::uint64_t triangle_budget,
-             const std::function<bool()>& out_of_time);
+  bool count(const PageCache& cache, const ErrorScale& scale, const std::function<double(PageId)>& factor, double floor,
+             std::uint64_t triangle_budget, const std::function<bool()>& out_of_time);
   /// Of the count that is done: substitutions with sse up to this applied, the others undone, fits the budget.
   /// At least `floor`; infinite where nothing fits. Above `floor` one of 128 steps of an octave.
   double tau() const { return tau_; }

@@ -239,6 +239,10 @@ void add_render_budgets(CLI::App* app, Settings& s, const BudgetDefaults& defaul
       ->check(CLI::Range(0u, 64u));
   add_parsed(app, "--cache", "SIZE", "memory for resident pages; default 1G",
              store(parse_bytes, s.cache_bytes));
+  app->add_option("--visual", s.visual_factor,
+                  "how much coarser what faces the eye may be, silhouettes stay; default 1: not at all")
+      ->type_name("F")
+      ->check(CLI::Range(1.0, 1e6));
   app->add_option("--outside", s.outside_factor,
                   "how much coarser what is outside the picture may be; default 4")
       ->type_name("F")

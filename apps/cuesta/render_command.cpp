@@ -21,6 +21,7 @@ class Pictures {
     auto ahead_ms = std::make_shared<double>(0);
     auto cut = open_cut(s.file, s.cache_bytes, s.load_threads, [ahead_ms] { return clock_ms() + *ahead_ms; });
     if (!cut) return fail(cut.error());
+    (*cut)->set_visual_error({s.visual_factor, {}});
     (*cut)->set_tagging(s.draw.shading == Shading::changes);
     Pictures pictures(s, std::move(*cut));
     pictures.ahead_ms_ = std::move(ahead_ms);

@@ -20,6 +20,7 @@ struct RenderSettings {
   std::filesystem::path video;  ///< .mp4 or .webm of a flight; then PNGs only if there is an output, too
   View view;                    ///< picture size, angle, up
   double tau_px = 1;
+  double visual_factor = 1;   ///< how much coarser what faces the eye may be
   double outside_factor = 4;  ///< how much coarser what is outside the picture may be
   Budgets budgets;            ///< adapt_ms and page_loads hold for all frames of a flight but the first
   std::uint64_t cache_bytes = 1ull << 30;

@@ -144,6 +144,7 @@ Result<std::unique_ptr<Viewer>> Viewer::open(const ViewSettings& s) {
 Result<void> Viewer::add_file(const std::filesystem::path& path, std::uint64_t cache_bytes) {
   auto cut = open_cut(path, cache_bytes, s_.load_threads);
   if (!cut) return fail(cut.error());
+  (*cut)->set_visual_error({s_.visual_factor, {}});
   auto points = sketch_points(**cut);
   scene_.add(path.filename().string(), std::move(*cut), std::move(points));
   controls_.set_model_size(scene_.diagonal());

@@ -18,6 +18,7 @@ struct ViewSettings {
   View view;                                 ///< size of the window, angle, up
   std::optional<CameraText> camera;
   double tau_px = 1;
+  double visual_factor = 1;
   double outside_factor = 4;
   double geomorph_ms = 250;
   Budgets budgets{.adapt_ms = 4, .upload_bytes = 16ull << 20};

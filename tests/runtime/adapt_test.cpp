@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <thread>
+#include <array>
+#include <cmath>
 
 #include "tests/runtime/corner_map.h"
 #include "tests/runtime/open_file.h"
@@ -161,6 +162,48 @@ TEST_F(Adapt, any_mix_of_paths_is_legal) {
   }
   EXPECT_GT(coarse, 0u);
   EXPECT_GT(fine, 0u);
+}
+
+/// Coarser where the surface faces eye and light, never finer, always legal, and at rest the same from everywhere.
+TEST_F(Adapt, visual_error_is_legal_and_saves_triangles) {
+  build_file(wavy_patch(100), folder_ / "flat.cuesta");
+  const auto open_flat = [&] { return open_cut(folder_ / "flat.cuesta"); };
+  const auto plain = open_flat(), visual = open_flat();
+  const Directory& d = plain->directory();
+  VisualError error{4, Vec3d{0, 0, 1}};
+  visual->set_visual_error(error);
+  visual->settle(ErrorScale::uniform(d.grid), -1, {});
+  const Slots full = drawn_triangles(*visual);
+  std::mt19937 random(9);
+  std::uint64_t with = 0, without = 0;
+  for (int i = 0; i < 30; ++i) {
+    const ErrorScale scale = ErrorScale::perspective(d.grid, random_view(d, random), 4);
+    visual->adapt(scale, 0.5, {});
+    ASSERT_EQ(drawn_triangles(*visual), mapped_triangles(*visual, full)) << "view " << i;
+    visual->settle(scale, 0.5, {});
+    ASSERT_EQ(drawn_triangles(*visual), mapped_triangles(*visual, full)) << "view " << i;
+    with += visual->cache().pool().active_triangles();
+    without += plain->settle(scale, 0.5, {}).triangles;
+    const auto fresh = open_flat();
+    fresh->set_visual_error(error);
+    fresh->settle(scale, 0.5, {});
+    ASSERT_EQ(state_of(*visual), state_of(*fresh)) << "view " << i;
+  }
+  EXPECT_LT(with, without);
+}
+
+TEST(VisualError, by_hand) {
+  const std::array<Vec3f, 3> up{Vec3f{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
+  const NormalCone flat = NormalCone::around(up);
+  const Sphere ball{{0, 0, 0}, 1};
+  const VisualError eye_only{4, {}};
+  EXPECT_EQ(eye_only.page_factor(flat, ball, {0, 0, 1e6}), std::pow(1.25, 6));  // 3.81, the last below 4
+  EXPECT_EQ(eye_only.page_factor(flat, ball, {0, 0, -1e6}), std::pow(1.25, 6));
+  EXPECT_EQ(eye_only.page_factor(flat, ball, {1e6, 0, 0}), 1);  // a silhouette
+  EXPECT_EQ(eye_only.page_factor(flat, ball, {0, 0, 0.5}), 1);  // the eye in the ball
+  EXPECT_EQ((VisualError{4, Vec3d{1, 0, 0}}.page_factor(flat, ball, {0, 0, 1e6})), 1);  // grazing light
+  const std::array<Vec3f, 2> wide{Vec3f{1, 0, 0}, {-1, 0, 0.01f}};
+  EXPECT_EQ(eye_only.page_factor(NormalCone::around(wide), ball, {0, 0, 1e6}), 1);
 }
 
 TEST_F(Adapt, tests_in_parallel_move_the_same) {
