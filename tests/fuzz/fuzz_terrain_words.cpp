@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   std::vector<std::uint16_t> directory(text.size() / 2);
-  std::memcpy(directory.data(), text.data(), directory.size() * 2);
+  if (!directory.empty()) std::memcpy(directory.data(), text.data(), directory.size() * 2);
   const std::vector<double> doubles{1, 2, 3};
   const auto keys = parse_geo_keys(directory, doubles, "name|other|");
   RasterInfo info;
