@@ -273,7 +273,8 @@ class BorderWelder {
       if (at != targets.end() && at->from == p) p = at->to;
     }
     if (t.positions == before) return {};
-    for (const std::uint32_t chunk : chunks_of(before, chunks_.tree).all())
+    const auto chunks = chunks_of(before, chunks_.tree);
+    for (const std::uint32_t chunk : chunks.all())
       if (auto r = ordinals.append(chunk, t.ordinal); !r) return r;
     return put_in_chunks(t, chunks_.tree, chunks_.layout, records);
   }
