@@ -121,13 +121,18 @@ void Cut::recount() {
   counted_ = filling_ = false;
 }
 
+/// @return false if the time ended it.
+bool Cut::count_triangles(const Frame& f, double floor, bool in_time) {
+  return triangle_demand_.count(*cache_, f.scale, [&](PageId id) { return factor_of(f.scale, id); }, floor,
+                                f.budgets.triangles, [&] { return in_time && out_of_time(f, 1); });
+}
+
 /// The threshold of this frame: the user's, raised by the regulator, at rest by what exactly fits, and by what the byte
 /// budget leaves.
 void Cut::choose_tau(Frame& f) {
   if (shrunk_ && cache_->pool().active_triangles() > f.budgets.triangles) {
     recount();
-    triangle_demand_.count(*cache_, f.scale, [&](PageId id) { return factor_of(f.scale, id); }, f.tau,
-                           f.budgets.triangles, [] { return false; });
+    count_triangles(f, f.tau, false);
     regulator_.set(triangle_demand_.tau());
     rest_tau_ = triangle_demand_.tau();
   }
@@ -256,17 +261,17 @@ void Cut::plan(Frame& f) {
   f.all_planned = true;
 }
 
-/// @return false if nothing can have changed in the page.
-bool Cut::make_test(const Frame& f, PageId id) {
+/// Nothing where nothing can have changed in the page.
+void Cut::make_test(const Frame& f, PageId id) {
   ResidentPage& page = *cache_->resident(id);
-  if (page.fully_coarse() && page.last_wanted != frame_) return false;  // all of it is under the threshold
+  if (page.fully_coarse() && page.last_wanted != frame_) return;  // all of it is under the threshold
   const Sphere& bound = directory().pages[id].bound;
   const double factor = factor_of(f.scale, id);
   const double limit = f.aim * f.scale.unit() * factor;
   const bool same_limit = std::abs(limit - page.tested_limit) <= ActiveNodes::limit_slack * std::abs(page.tested_limit);
   const bool all = page.set_path(path_for(f, bound, page.path())) || !same_limit;
   if (all) page.tested_limit = limit;
-  if (!all && !page.active_nodes().due(travelled_)) return false;
+  if (!all && !page.active_nodes().due(travelled_)) return;
   if (tests_.size() == test_count_) tests_.emplace_back();
   PageTest& test = tests_[test_count_++];
   test.page = &page;
@@ -274,7 +279,6 @@ bool Cut::make_test(const Frame& f, PageId id) {
   test.limit = limit;
   test.all = all;
   test.candidates.clear();
-  return true;
 }
 
 void Cut::run_tests(const Frame& f) {
@@ -433,9 +437,7 @@ void Cut::rest(Frame& f) {
   if (!done || moved || !f.at_rest) return;
   const bool free = !f.blocked && f.aim == f.floor;
   if (!free && !counted_) {
-    const auto late = [&] { return out_of_time(f, 1); };
-    counted_ = triangle_demand_.count(*cache_, f.scale, [&](PageId id) { return factor_of(f.scale, id); }, f.floor,
-                                      f.budgets.triangles, late);
+    counted_ = count_triangles(f, f.floor, true);
     if (!counted_) {
       f.report.bound_by = Binding::adapt_time;
       return;

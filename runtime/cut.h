@@ -128,13 +128,14 @@ class Cut {
   void choose_tau(Frame& f);
   void load_pages(Frame& f);
   void weigh_pages(const Frame& f);
+  bool count_triangles(const Frame& f, double floor, bool in_time);
   double factor_of(const ErrorScale& scale, PageId id) const;
   void prefetch(Frame& f);
   double typical_distance(const Frame& f, const Sphere& bound) const;
   FanPath path_for(const Frame& f, const Sphere& bound, FanPath now) const;
   void note_nearest(const Frame& f);
   void plan(Frame& f);
-  bool make_test(const Frame& f, PageId id);
+  void make_test(const Frame& f, PageId id);
   void run_tests(const Frame& f);
   void plan_tests(Frame& f);
   void plan_fan(Frame& f, ResidentPage& page, std::uint32_t fan, double scale);
@@ -160,7 +161,7 @@ class Cut {
   PathPolicy policy_ = PathPolicy::by_motion;
 
   VisualError visual_;
-  std::vector<double> visual_factor_;  // per page; 1 where it is not wanted
+  std::vector<double> visual_factor_;  // per page; empty where it is off
   Geomorphs geomorphs_;
   PageDemand demand_, predicted_;
   Regulator regulator_;

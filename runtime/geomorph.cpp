@@ -61,8 +61,7 @@ void Geomorphs::drop_blend(std::uint32_t slot) {
 
 void Geomorphs::update(double now_ms) {
   now_ms_ = now_ms;
-  for (const std::uint32_t slot : postponed_)
-    if (--leaned_on_[slot] == 0) leaned_on_.erase(slot);
+  lean_no_more(postponed_);
   postponed_.clear();
   for (std::size_t i = 0; i < blends_.size();) {
     Blend& b = blends_[i];
@@ -130,9 +129,13 @@ Geomorphs::Merge Geomorphs::take_merge(std::uint32_t index) {
     merge_of_[key(merges_[index].page, merges_[index].fan)] = index;
   }
   merges_.pop_back();
-  for (const std::uint32_t slot : m.leaning)
-    if (--leaned_on_[slot] == 0) leaned_on_.erase(slot);
+  lean_no_more(m.leaning);
   return m;
+}
+
+void Geomorphs::lean_no_more(std::span<const std::uint32_t> slots) {
+  for (const std::uint32_t slot : slots)
+    if (--leaned_on_[slot] == 0) leaned_on_.erase(slot);
 }
 
 void Geomorphs::call_off(std::uint32_t merge) {

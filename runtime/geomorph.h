@@ -77,6 +77,7 @@ class Geomorphs {
   void blend(std::uint32_t slot, std::uint32_t to_slot, const DrawVertex& from, bool merge);
   void drop_blend(std::uint32_t slot);
   Merge take_merge(std::uint32_t index);
+  void lean_no_more(std::span<const std::uint32_t> slots);
   std::vector<std::uint32_t> touched_slots(const ResidentPage& page, std::size_t fan, std::uint16_t from,
                                            std::uint16_t goal) const;
 

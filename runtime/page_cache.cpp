@@ -47,16 +47,6 @@ void PageCache::link_finer() {
 
 Result<std::unique_ptr<PageCache>> PageCache::open(CuestaFile file, std::uint64_t budget_bytes,
                                                    std::uint32_t load_threads) {
-  const PageId base = file.directory().base();
-  const PageEntry& e = file.directory().pages[base];
-  const std::uint64_t least = expected_table_bytes(e) + GeometryPool::page_bytes(e.owned_vertices, e.owned_triangles,
-                                                                                 file.directory().has_texcoords);
-  const auto too_small = [&](std::uint64_t bytes) {
-    return fail(ErrorCode::out_of_budget, file.path().string(), "page " + std::to_string(base),
-                "the coarsest page takes " + std::to_string(bytes) + " bytes, the budget is " +
-                    std::to_string(budget_bytes) + "; give a larger cache");
-  };
-  if (least > budget_bytes) return too_small(least);
   std::unique_ptr<PageCache> cache(new PageCache(std::move(file), budget_bytes, load_threads));
   if (auto r = cache->load_base(); !r) return fail(r.error());
   return cache;
@@ -64,15 +54,20 @@ Result<std::unique_ptr<PageCache>> PageCache::open(CuestaFile file, std::uint64_
 
 Result<void> PageCache::load_base() {
   const PageId base = directory().base();
-  if (!make_room(base, 0))
-    return fail(ErrorCode::out_of_budget, file_.path().string(), "page " + std::to_string(base),
-                "the coarsest page does not fit the cache; give a larger one");
+  if (!make_room(base, 0)) return fail(base_too_large());
   send(base);
   loader_->wait();
   constexpr auto all = std::numeric_limits<std::uint64_t>::max();
   if (take_in(0, all) != 1) return fail(errors_.front());
   pages_[base]->activate_survivors();
   return {};
+}
+
+Error PageCache::base_too_large() const {
+  const PageId base = directory().base();
+  return {ErrorCode::out_of_budget, file_.path().string(), "page " + std::to_string(base),
+          "the coarsest page takes " + std::to_string(charge_[base]) + " bytes, the budget is " +
+              std::to_string(budget_bytes_) + "; give a larger cache"};
 }
 
 bool PageCache::requestable(PageId id) const {
@@ -135,8 +130,7 @@ std::uint32_t PageCache::take_in(std::uint64_t frame, std::uint64_t upload_bytes
   return taken;
 }
 
-/// @return false if it is not there after all.
-bool PageCache::decoded(LoadedPage loaded) {
+void PageCache::decoded(LoadedPage loaded) {
   const PageId id = loaded.id;
   const PageEntry& e = directory().pages[id];
   counters_.bytes_read += e.block.bytes;
@@ -144,7 +138,7 @@ bool PageCache::decoded(LoadedPage loaded) {
     let_go(id, loaded.run, State::failed);
     ++counters_.failed;
     errors_.push_back(loaded.page.error());
-    return false;
+    return;
   }
   const std::uint64_t real = (*loaded.page)->bytes() +
                              GeometryPool::page_bytes(e.owned_vertices, e.owned_triangles, pool_.has_texcoords());
@@ -154,17 +148,14 @@ bool PageCache::decoded(LoadedPage loaded) {
       let_go(id, loaded.run, State::absent);
       charge_[id] = real;
       ++counters_.refused_for_budget;
-      if (id != directory().base()) return false;
-      errors_.push_back({ErrorCode::out_of_budget, file_.path().string(), "page " + std::to_string(id),
-                         "the coarsest page takes " + std::to_string(real) + " bytes; give a larger cache"});
-      return false;
+      if (id == directory().base()) errors_.push_back(base_too_large());
+      return;
     }
     charge_[id] = real;
     resident_bytes_ += more;
   }
   ++counters_.loads;
   arriving_.push_back(std::move(*loaded.page));
-  return true;
 }
 
 void PageCache::let_go(PageId id, GeometryPool::RunId run, State state) {

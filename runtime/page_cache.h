@@ -85,7 +85,8 @@ class PageCache {
   Result<void> load_base();
   bool make_room(PageId id, std::uint64_t keep_since);
   void send(PageId id);
-  bool decoded(LoadedPage loaded);
+  Error base_too_large() const;
+  void decoded(LoadedPage loaded);
   void lean(PageId id, bool on);
   void let_go(PageId id, GeometryPool::RunId run, State state);
   void evict(PageId id);

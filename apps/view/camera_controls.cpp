@@ -38,6 +38,13 @@ double radians_per_pixel(const View& view) {
   return view.fov_y_rad / view.height_px;
 }
 
+View shifted(const View& view, Vec3d by) {
+  View v = view;
+  v.eye = v.eye + by;
+  v.target = v.target + by;
+  return v;
+}
+
 }  // namespace
 
 View orbited(const View& view, double dx_px, double dy_px) {
@@ -80,29 +87,17 @@ View turned(const View& view, double dx_px, double dy_px) {
 
 View moved(const View& view, double right, double up, double forward) {
   const auto [r, u, back] = view.frame();
-  const Vec3d by = r * right + normalized(view.up) * up - back * forward;
-  View v = view;
-  v.eye = v.eye + by;
-  v.target = v.target + by;
-  return v;
+  return shifted(view, r * right + normalized(view.up) * up - back * forward);
 }
 
 View stepped(const View& view, double right, double forward) {
   const auto [r, u, back] = view.frame();
   const Vec3d ahead = cross(normalized(view.up), r);  // right and up are perpendicular
-  const Vec3d by = r * right + ahead * forward;
-  View v = view;
-  v.eye = v.eye + by;
-  v.target = v.target + by;
-  return v;
+  return shifted(view, r * right + ahead * forward);
 }
 
 View raised(const View& view, double by) {
-  const Vec3d up = normalized(view.up) * by;
-  View v = view;
-  v.eye = v.eye + up;
-  v.target = v.target + up;
-  return v;
+  return shifted(view, normalized(view.up) * by);
 }
 
 Vec3d ray_direction(const View& view, double x_px, double y_px) {

@@ -1,38 +1,18 @@
 /// Figure 10 of the fan-hierarchy's paper as curves, and the cost of each frame of a flight over the terrain.
 
 #include <fstream>
-#include <map>
-#include <sstream>
 
 #include "apps/plot/svg_plot.h"
+#include "tools/bench/csv_rows.h"
 #include "tools/bench/fan_inputs.h"
 
 namespace cuesta::bench {
 namespace {
 
-using Row = std::map<std::string, std::string>;
-
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream in(line);
-  for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
-  return cells;
-}
-
-Result<std::vector<Row>> rows_of(const std::filesystem::path& path) {
+Result<std::vector<Row>> table_of(const std::filesystem::path& path) {
   std::ifstream in(path);
   if (!in) return fail(ErrorCode::not_found, path.string(), "", "run tools/bench/fan first");
-  std::string line;
-  std::getline(in, line);
-  const auto names = cells_of(line);
-  std::vector<Row> rows;
-  while (std::getline(in, line)) {
-    const auto cells = cells_of(line);
-    Row row;
-    for (std::size_t i = 0; i < std::min(names.size(), cells.size()); ++i) row[names[i]] = cells[i];
-    rows.push_back(row);
-  }
-  return rows;
+  return rows_of(in);
 }
 
 /// A series of a column over the rows whose `key` is `value`; x in percent of the way.
@@ -59,9 +39,9 @@ plot::Panel operations_panel(const std::vector<Row>& rows, const char* key, cons
 }  // namespace
 
 Result<void> draw_results(const std::filesystem::path& folder) {
-  const auto route = rows_of(folder / "fan_route.csv");
+  const auto route = table_of(folder / "fan_route.csv");
   if (!route) return fail(route.error());
-  auto frames = rows_of(folder / "fan_frames.csv");
+  auto frames = table_of(folder / "fan_frames.csv");
   if (!frames) return fail(frames.error());
   std::erase_if(*frames, [](const Row& row) { return row.at("model") != "terrain"; });
   plot::Chart chart;

@@ -3,38 +3,10 @@
 #include <cstdio>
 #include <fstream>
 #include <map>
-#include <sstream>
 #include <string>
-#include <vector>
 
 #include "apps/plot/svg_plot.h"
-
-namespace {
-
-using Row = std::map<std::string, std::string>;
-
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream in(line);
-  for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
-  return cells;
-}
-
-std::vector<Row> rows_of(std::istream& in) {
-  std::vector<Row> rows;
-  std::string line;
-  std::getline(in, line);
-  const auto names = cells_of(line);
-  while (std::getline(in, line)) {
-    const auto cells = cells_of(line);
-    Row row;
-    for (std::size_t i = 0; i < std::min(names.size(), cells.size()); ++i) row[names[i]] = cells[i];
-    rows.push_back(row);
-  }
-  return rows;
-}
-
-}  // namespace
+#include "tools/bench/csv_rows.h"
 
 int main(int argc, char** argv) {
   using namespace cuesta::plot;
@@ -44,7 +16,7 @@ int main(int argc, char** argv) {
     return 1;
   }
   Series rate, memory, size;
-  for (const Row& row : rows_of(in)) {
+  for (const cuesta::bench::Row& row : cuesta::bench::rows_of(in)) {
     const std::string& name = row.at("case");
     // Plain scans only: scan_4m, scan_16m, …
     if (!name.starts_with("scan_") || std::count(name.begin(), name.end(), '_') != 1) continue;
