@@ -168,7 +168,7 @@ class HierarchyBuilder {
     }
     const std::uint64_t leaves =
         base ? 1 : std::max(state.triangles / chunk_triangles, bytes / chunk_survivor_bytes) + 1;
-    plan.tree.emplace(std::move(centres), static_cast<std::uint32_t>(leaves), frame_of(state.round));
+    plan.tree.emplace(std::move(centres), static_cast<std::uint32_t>(leaves), axes_of(state.round));
     plan.chunks = plan.tree->leaf_count();
     plan.pages.resize(plan.chunks);
     for (std::uint32_t c = 0; c < plan.chunks; ++c) {

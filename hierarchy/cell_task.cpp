@@ -82,11 +82,11 @@ PageSurvivors survivors_of(CellSurvivors left, std::span<const std::uint8_t> own
 /// What planning the next round needs of the survivors.
 void describe_survivors(const PageSurvivors& survivors, std::uint32_t next_round, CellFacts& facts) {
   facts.survivor_triangles = static_cast<std::uint32_t>(survivors.triangles.size());
-  const Frame frame = frame_of(next_round);
-  for (const Vec3i& p : survivors.vertices.positions) facts.survivor_box.add(turn(frame, vec_cast<float>(p)));
+  const Axes axes = axes_of(next_round);
+  for (const Vec3i& p : survivors.vertices.positions) facts.survivor_box.add(turn(axes, vec_cast<float>(p)));
   // Chunks own triangles by their centres, which rounding can put a little outside the box of the corners.
   const auto centres = triangle_centres(survivors.triangles, survivors.vertices.positions);
-  for (const Vec3f& c : centres) facts.survivor_box.add(turn(frame, c));
+  for (const Vec3f& c : centres) facts.survivor_box.add(turn(axes, c));
   for (std::size_t t = 0; t < centres.size(); t += centre_stride) facts.centres.push_back(centres[t]);
 }
 

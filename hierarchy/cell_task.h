@@ -26,7 +26,7 @@ struct CellFacts {
   std::uint64_t fans = 0, substitutions = 0;
   PageStreamBytes stream_bytes{};
   std::uint32_t survivor_triangles = 0;
-  Box3<float> survivor_box;    ///< of survivors' vertices and centres, next round's frame
+  Box3<float> survivor_box;    ///< of survivors' vertices and centres, next round's axes
   std::vector<Vec3f> centres;  ///< of some of the surviving triangles, evenly: where the next round is dense
 };
 

@@ -47,7 +47,7 @@ void ChunkCollector::add_vertex(const PageSurvivors& page, std::uint32_t v, bool
 
 void ChunkCollector::add(PageId id, PageSurvivors page) {
   const Box3<float>& box = tree_.leaf_box(leaf_);
-  const auto is_inside = [&](Vec3f p) { return holds(box, turn(tree_.frame(), p)); };
+  const auto is_inside = [&](Vec3f p) { return holds(box, turn(tree_.axes(), p)); };
   std::vector<std::uint8_t> inside(page.ids.size());
   for (std::uint32_t v = 0; v < inside.size(); ++v)
     inside[v] = is_inside(vec_cast<float>(page.vertices.positions[v]));

@@ -11,11 +11,11 @@ namespace {
 
 class KdCutter {
  public:
-  KdCutter(std::span<const Vec3f> centres, const Frame& frame, std::vector<std::uint32_t>& order,
+  KdCutter(std::span<const Vec3f> centres, const Axes& axes, std::vector<std::uint32_t>& order,
            std::vector<std::uint32_t>& begin)
       : order_(order), begin_(begin) {
     turned_.reserve(centres.size());
-    for (const Vec3f& c : centres) turned_.push_back(turn(frame, c));
+    for (const Vec3f& c : centres) turned_.push_back(turn(axes, c));
   }
 
   void cut(std::uint32_t first, std::uint32_t last, std::uint32_t cells) {
@@ -52,8 +52,8 @@ class KdCutter {
 
 }  // namespace
 
-/// Orthonormal frames that share no plane: rotations by unit quaternions far from each other's symmetries.
-Frame frame_of(std::uint32_t round) {
+/// Orthonormal axes that share no plane: rotations by unit quaternions far from each other's symmetries.
+Axes axes_of(std::uint32_t round) {
   constexpr std::array<std::array<double, 4>, 4> turns{{{1, 0, 0, 0},
                                                         {0.8467, 0.2795, 0.3514, 0.2862},
                                                         {0.7071, -0.4253, 0.2611, 0.5003},
@@ -79,7 +79,7 @@ Partition partition_cells(std::span<const Vec3f> centres, std::uint32_t cell_tri
   if (n == 0) return p;
   p.order.resize(n);
   std::iota(p.order.begin(), p.order.end(), 0u);
-  KdCutter(centres, frame_of(round), p.order, p.begin).cut(0, n, (n + cell_triangles - 1) / cell_triangles);
+  KdCutter(centres, axes_of(round), p.order, p.begin).cut(0, n, (n + cell_triangles - 1) / cell_triangles);
   return p;
 }
 

@@ -24,9 +24,9 @@ struct Partition {
 };
 
 /// The directions that a round cuts along: far from those of the rounds before and after.
-Frame frame_of(std::uint32_t round);
+Axes axes_of(std::uint32_t round);
 
-/// Balanced kd-cuts of triangle centres across the longest extent, in frame_of(round).
+/// Balanced kd-cuts of triangle centres across the longest extent, along axes_of(round).
 /// @param centres        one per triangle, any unit
 /// @param cell_triangles largest cell; cells differ by at most one triangle
 /// @cost  O(n log(cells)), deterministic.

@@ -137,7 +137,7 @@ class Ingest {
     if (chunks > 0xFFFFFF)
       return fail(ErrorCode::invalid_input, "", "", "more triangles than a build can have");
     tree_ = std::make_unique<SpaceTree>(read_.survey.samples,
-                                        std::max(1u, static_cast<std::uint32_t>(chunks)), identity_frame);
+                                        std::max(1u, static_cast<std::uint32_t>(chunks)), identity_axes);
     return {};
   }
 

@@ -17,9 +17,9 @@ int longest_axis(std::span<const Vec3f> points) {
 
 }  // namespace
 
-SpaceTree::SpaceTree(std::vector<Vec3f> samples, std::uint32_t leaves, const Frame& frame) : frame_(frame) {
+SpaceTree::SpaceTree(std::vector<Vec3f> samples, std::uint32_t leaves, const Axes& axes) : axes_(axes) {
   CUESTA_CHECK(leaves > 0);
-  for (Vec3f& p : samples) p = turn(frame, p);
+  for (Vec3f& p : samples) p = turn(axes, p);
   constexpr float infinity = std::numeric_limits<float>::infinity();
   Box3<float> everything;
   everything.lo = {-infinity, -infinity, -infinity};

@@ -12,10 +12,10 @@
 namespace cuesta {
 
 /// Three orthonormal axes to cut along.
-using Frame = std::array<Vec3f, 3>;
-inline constexpr Frame identity_frame{Vec3f{1, 0, 0}, Vec3f{0, 1, 0}, Vec3f{0, 0, 1}};
+using Axes = std::array<Vec3f, 3>;
+inline constexpr Axes identity_axes{Vec3f{1, 0, 0}, Vec3f{0, 1, 0}, Vec3f{0, 0, 1}};
 
-inline Vec3f turn(const Frame& f, Vec3f p) {
+inline Vec3f turn(const Axes& f, Vec3f p) {
   return {dot(p, f[0]), dot(p, f[1]), dot(p, f[2])};
 }
 
@@ -27,11 +27,11 @@ class SpaceTree {
   /// @param samples  any points, not turned; none gives one leaf
   /// @param leaves   ≥ 1
   /// @cost O(samples · log leaves), deterministic in the order of samples
-  SpaceTree(std::vector<Vec3f> samples, std::uint32_t leaves, const Frame& frame);
+  SpaceTree(std::vector<Vec3f> samples, std::uint32_t leaves, const Axes& axes);
 
   std::uint32_t leaf_count() const { return static_cast<std::uint32_t>(boxes_.size()); }
-  const Frame& frame() const { return frame_; }
-  /// @param turned  turn(frame(), point)
+  const Axes& axes() const { return axes_; }
+  /// @param turned  turn(axes(), point)
   std::uint32_t leaf_of(Vec3f turned) const;
   /// Turned points p of the leaf have lo ≤ p < hi; outermost sides are infinite.
   const Box3<float>& leaf_box(std::uint32_t leaf) const { return boxes_[leaf]; }
@@ -44,7 +44,7 @@ class SpaceTree {
   };
   void split(std::span<Vec3f> samples, std::uint32_t leaves, const Box3<float>& box);
 
-  Frame frame_;
+  Axes axes_;
   std::vector<Node> nodes_;
   std::vector<Box3<float>> boxes_;
 };

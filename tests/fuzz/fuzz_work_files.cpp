@@ -27,7 +27,7 @@ void try_survivors(Bytes bytes) {
   if (!survivors) return;
   if (!decode_survivors(encode_survivors(*survivors))) std::abort();
   const std::size_t triangles = survivors->triangles.size();
-  const SpaceTree everywhere({}, 1, identity_frame);
+  const SpaceTree everywhere({}, 1, identity_axes);
   ChunkCollector collector(everywhere, 0);
   collector.add(0, std::move(*survivors));
   if (collector.take().triangles.size() > triangles) std::abort();

@@ -113,7 +113,7 @@ std::vector<Work> all_rounds(InputChunk input, std::size_t most_cells) {
   std::vector<Work> rounds;
   RoundChunk chunk = std::move(input.chunk);
   Partition partition = std::move(input.cells);
-  const SpaceTree everywhere({}, 1, identity_frame);
+  const SpaceTree everywhere({}, 1, identity_axes);
   for (std::uint32_t round = 0;; ++round) {
     const CellOptions options{round, partition.cell_count() == 1, reduction};
     const RoundCells cells(chunk, std::move(partition));
