@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "ooc/check.h"
 #include "terrain/crs_epsg.h"
 #include "terrain/crs_projection.h"
 
@@ -87,6 +88,8 @@ const char* name(CrsMethod method) {
       return "Albers equal area";
     case CrsMethod::polar_stereographic:
       return "polar stereographic";
+    case CrsMethod::plane:
+      return "plane";
   }
   return "unknown";
 }
@@ -123,6 +126,15 @@ Result<Crs> Crs::from_name(std::string_view name) {
   return from_epsg(code);
 }
 
+Crs Crs::plane() {
+  CrsDefinition definition;
+  definition.name = "a plane that is nowhere on the Earth";
+  definition.method = CrsMethod::plane;
+  auto projection = make_projection(definition);
+  CUESTA_CHECK(projection.has_value());
+  return Crs(std::move(definition), std::move(*projection));
+}
+
 LatLon Crs::lat_lon(PlanePoint p) const {
   const CrsDefinition& d = definition_;
   LatLon at =
@@ -152,6 +164,16 @@ std::string Crs::description() const {
     text += fmt::format("; {} is taken as WGS 84, how far it is away is not known", d.datum);
   }
   return text;
+}
+
+bool same_coordinates(const CrsDefinition& a, const CrsDefinition& b) {
+  if (a.method != b.method || a.unit != b.unit || a.prime_meridian_deg != b.prime_meridian_deg) return false;
+  if (a.method == CrsMethod::geographic || a.method == CrsMethod::plane) return true;
+  return a.latitude_origin_deg == b.latitude_origin_deg && a.longitude_origin_deg == b.longitude_origin_deg &&
+         a.parallel_1_deg == b.parallel_1_deg && a.parallel_2_deg == b.parallel_2_deg && a.scale == b.scale &&
+         a.false_easting_m == b.false_easting_m && a.false_northing_m == b.false_northing_m &&
+         a.ellipsoid.equatorial_radius_m == b.ellipsoid.equatorial_radius_m &&
+         a.ellipsoid.inverse_flattening == b.ellipsoid.inverse_flattening;
 }
 
 }  // namespace cuesta

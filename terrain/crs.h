@@ -45,6 +45,9 @@ class Crs {
   /// @error invalid_input what is not of this form; else as from_epsg.
   static Result<Crs> from_name(std::string_view name);
 
+  /// A plane in metres that is nowhere on the Earth: lat_lon() and coordinates() give NaN.
+  static Crs plane();
+
   /// @error invalid_input for parameters without meaning: not finite, a latitude beyond a pole, a scale not >
   /// 0.
   static Result<Crs> from_definition(CrsDefinition definition);
@@ -74,5 +77,9 @@ class Crs {
   CrsDefinition definition_;
   std::shared_ptr<const Projection> projection_;  // shared: immutable, and copies of a Crs go to many threads
 };
+
+/// Whether coordinates of one system are coordinates of the other. Names and datums are not compared, nor the
+/// ellipsoids of geographic systems, as all latitudes are taken as WGS 84.
+bool same_coordinates(const CrsDefinition& a, const CrsDefinition& b);
 
 }  // namespace cuesta

@@ -49,6 +49,7 @@ enum class CrsMethod : std::uint8_t {
   lambert_conformal,    ///< EPSG methods 9801, 9802
   albers,               ///< EPSG method 9822
   polar_stereographic,  ///< UPS is this; EPSG methods 9810, 9829
+  plane,  ///< x and y in metres that are nowhere on the Earth: files that do not say where they lie
 };
 
 /// "Lambert conformal conic"

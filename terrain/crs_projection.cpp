@@ -160,6 +160,12 @@ class ConicPlane final : public Projection {
   double x0_ = 0, y0_ = 0;
 };
 
+class NowherePlane final : public Projection {
+ public:
+  PlanePoint forward(LatLon) const override { return {nan, nan}; }
+  LatLon inverse(PlanePoint) const override { return {nan, nan}; }
+};
+
 std::shared_ptr<const Projection> make(const CrsDefinition& d) {
   using Lambert = ConicPlane<GeographicLib::LambertConformalConic>;
   using Albers = ConicPlane<GeographicLib::AlbersEqualArea>;
@@ -176,6 +182,8 @@ std::shared_ptr<const Projection> make(const CrsDefinition& d) {
       return std::make_shared<Lambert>(d, d.parallel_2_deg);
     case CrsMethod::albers:
       return std::make_shared<Albers>(d, d.parallel_2_deg);
+    case CrsMethod::plane:
+      return std::make_shared<NowherePlane>();
     case CrsMethod::geographic:
       break;
   }

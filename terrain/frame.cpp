@@ -47,16 +47,6 @@ bool is_place(Geodetic at) {
   return std::abs(at.lat_deg) <= 90 && std::isfinite(at.lon_deg) && std::isfinite(at.h_m);
 }
 
-/// Whether coordinates of one are coordinates of the other.
-bool same_plane(const CrsDefinition& a, const CrsDefinition& b) {
-  return a.method == b.method && a.unit == b.unit && a.prime_meridian_deg == b.prime_meridian_deg &&
-         a.latitude_origin_deg == b.latitude_origin_deg && a.longitude_origin_deg == b.longitude_origin_deg &&
-         a.parallel_1_deg == b.parallel_1_deg && a.parallel_2_deg == b.parallel_2_deg && a.scale == b.scale &&
-         a.false_easting_m == b.false_easting_m && a.false_northing_m == b.false_northing_m &&
-         a.ellipsoid.equatorial_radius_m == b.ellipsoid.equatorial_radius_m &&
-         a.ellipsoid.inverse_flattening == b.ellipsoid.inverse_flattening;
-}
-
 }  // namespace
 
 Frame Frame::ecef() {
@@ -100,7 +90,7 @@ Vec3d Frame::position_m(Geodetic at) const {
 }
 
 Vec3d Frame::position_m(const Crs& crs, PlanePoint p, double h_m) const {
-  if (crs_ && same_plane(crs.definition(), crs_->definition())) {
+  if (crs_ && same_coordinates(crs.definition(), crs_->definition())) {
     const double unit_m = crs.definition().unit;
     return {p.x * unit_m, p.y * unit_m, h_m};
   }
