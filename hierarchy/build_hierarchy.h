@@ -6,7 +6,8 @@
 #include <string>
 
 #include "hierarchy/page_codec.h"
-#include "ooc/ingest.h"
+#include "ooc/build_progress.h"
+#include "ooc/input_surface.h"
 #include "ooc/memory_budget.h"
 #include "ooc/result.h"
 #include "ooc/work_folder.h"
@@ -31,7 +32,7 @@ struct BuildReport {
 /// Builds and writes `path` from `surface`, in parallel over cells in the calling TBB arena. Same bytes for
 /// any number of threads, any memory, and any number of interruptions: a task (round, chunk) that the
 /// folder's journal knows is not done again.
-/// @param surface  ingested into the same folder; its disk space is given back as it is used
+/// @param surface  its chunks are discarded as they are used
 /// @error invalid_input (more than 2^24 grid steps wide), out_of_budget (memory, disk), io, cancelled. Then
 ///        nothing is under `path`; the folder and `<path>.part` keep what is done.
 /// @cost about 3 µs per triangle and core; disk: 30 bytes per triangle beside the file.

@@ -3,10 +3,12 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "hierarchy/error_code.h"
 #include "ooc/vec.h"
+#include "ooc/vertical.h"
 
 namespace cuesta {
 
@@ -34,6 +36,8 @@ struct CellMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<Birth> births;
   TriangleSamples samples;
+  std::optional<Vertical> vertical =
+      {};  ///< grid units, of a field of heights: what deviations are measured along
 };
 
 /// One substitution of a fan: `vertex` → `target`. Wedges of one group follow each other with `joined` set on

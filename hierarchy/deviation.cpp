@@ -119,15 +119,42 @@ void measure_all(std::size_t n, const float* __restrict x, const float* __restri
   }
 }
 
+/// The directions up at n points.
+CUESTA_VECTOR_CLONES
+void fill_ups(const LocalVertical& vertical, std::size_t n, std::array<const float*, 3> points,
+              std::array<float*, 3> ups) {
+  const auto [x, y, z] = points;
+  float* __restrict ux = ups[0], * __restrict uy = ups[1], * __restrict uz = ups[2];
+  const LocalVertical v = vertical;
+  n = n / point_block * point_block;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3f up = v.up({x[i], y[i], z[i]});
+    ux[i] = up.x;
+    uy[i] = up.y;
+    uz[i] = up.z;
+  }
+}
+
 }  // namespace
 
 void DeviationBatch::grow() {
   const std::size_t capacity = std::max<std::size_t>(64, x_.size() * 2);
   for (auto* v : {&x_, &y_, &z_, &best_}) v->resize(capacity);
   nearest_.resize(capacity);
+  if (!vertical_) return;
+  for (auto* v : {&up_x_, &up_y_, &up_z_, &inside_, &best_through_}) v->resize(capacity);
+  nearest_through_.resize(capacity);
 }
 
 void DeviationBatch::measure(std::span<const std::array<Vec3f, 3>> triangles, std::int32_t first_index) {
+  if (vertical_)
+    measure_along_vertical(triangles, first_index);
+  else
+    measure_nearest(triangles, first_index);
+}
+
+void DeviationBatch::measure_nearest(std::span<const std::array<Vec3f, 3>> triangles,
+                                     std::int32_t first_index) {
   const std::size_t padded = (size_ + point_block - 1) / point_block * point_block;
   if (!std::exchange(measured_, true)) {
     std::fill_n(best_.begin(), padded, std::numeric_limits<float>::max());
@@ -149,10 +176,43 @@ void DeviationBatch::measure(std::span<const std::array<Vec3f, 3>> triangles, st
     }
     complete_planes(planes);
     for (std::size_t k = 0; k < count; ++k) {
-      longest_edge_squared_ = std::max(longest_edge_squared_, planes.longest[k]);
+      rounding_ = std::max(rounding_, std::sqrt(planes.longest[k]) * rounding_per_length);
       measure_all(padded, x_.data(), y_.data(), z_.data(), best_.data(), nearest_.data(), planes, k,
                   first_index + static_cast<std::int32_t>(first + k));
     }
+  }
+}
+
+void DeviationBatch::measure_along_vertical(std::span<const std::array<Vec3f, 3>> triangles,
+                                            std::int32_t first_index) {
+  const std::size_t padded = (size_ + point_block - 1) / point_block * point_block;
+  std::fill_n(inside_.begin(), padded, -std::numeric_limits<float>::max());
+  if (!vertical_->is_plane)
+    fill_ups(*vertical_, padded, {x_.data(), y_.data(), z_.data()},
+             {up_x_.data(), up_y_.data(), up_z_.data()});
+  const VerticalPoints points{size_,
+                              x_.data(),
+                              y_.data(),
+                              z_.data(),
+                              up_x_.data(),
+                              up_y_.data(),
+                              up_z_.data(),
+                              inside_.data(),
+                              best_through_.data(),
+                              nearest_through_.data()};
+  for (std::size_t k = 0; k < triangles.size(); ++k) {
+    const UprightTriangle t = upright(triangles[k], *vertical_);
+    if (!(t.uprightness > 0)) continue;
+    rounding_ = std::max(rounding_, std::sqrt(t.longest_squared) * rounding_per_length / t.uprightness);
+    measure_vertical(t, *vertical_, first_index + static_cast<std::int32_t>(k), points);
+  }
+  const bool all_through = std::all_of(inside_.begin(), inside_.begin() + static_cast<std::ptrdiff_t>(size_),
+                                       [](float least) { return least >= inside_rounding; });
+  if (!all_through) measure_nearest(triangles, first_index);
+  for (std::size_t i = 0; i < padded; ++i) {
+    if (!all_through && inside_[i] < inside_rounding) continue;
+    best_[i] = best_through_[i];
+    nearest_[i] = nearest_through_[i];
   }
 }
 
@@ -161,9 +221,8 @@ float DeviationBatch::worst_bound() const {
   std::int32_t most = 0;
   for (std::size_t i = 0; i < size_; ++i) most = std::max(most, std::bit_cast<std::int32_t>(best_[i]));
   const float worst = std::bit_cast<float>(most);
-  const float rounding = std::sqrt(longest_edge_squared_) * rounding_per_length;
-  if (worst == 0 && rounding < negligible) return 0;
-  return std::sqrt(worst) * (1 + relative_rounding) + rounding;
+  if (worst == 0 && rounding_ < negligible) return 0;
+  return std::sqrt(worst) * (1 + relative_rounding) + rounding_;
 }
 
 }  // namespace cuesta

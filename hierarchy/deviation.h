@@ -3,9 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "hierarchy/vertical_deviation.h"
 #include "ooc/vec.h"
 
 namespace cuesta {
@@ -13,8 +15,14 @@ namespace cuesta {
 /// Points in structure-of-arrays form, with the squared distance to, and the index of, the nearest triangle
 /// so far. Filled, then measured and read back within one substitution; reused, so it does not allocate after
 /// warm-up.
+///
+/// With a vertical the nearest triangle is the one that a point's vertical goes through, and the distance is
+/// along it. Where it goes through none (a border has moved), it is the distance to the nearest triangle as
+/// without.
 class DeviationBatch {
  public:
+  explicit DeviationBatch(std::optional<LocalVertical> vertical = {}) : vertical_(vertical) {}
+
   /// What f32 arithmetic may take away from a distance: a share of it, and a share of the triangles' longest
   /// edge.
   static constexpr float relative_rounding = 1e-5f;
@@ -25,7 +33,7 @@ class DeviationBatch {
   void clear() {
     size_ = 0;
     measured_ = false;
-    longest_edge_squared_ = 0;
+    rounding_ = 0;
   }
   std::size_t size() const { return size_; }
   void add(Vec3f p) {
@@ -47,8 +55,9 @@ class DeviationBatch {
   }
 
   /// Distances to the triangles; a point that is nearer to triangle i than to all before takes first_index +
-  /// i. Coordinates are integers below 2^24; exact up to the rounding named above. @cost about 1 ns per point
-  /// and triangle with AVX2, points in eights.
+  /// i. With a vertical it is called once: the triangles are all that there are. Coordinates are integers
+  /// below 2^24; exact up to the rounding named above. @cost about 1 ns per point and triangle with AVX2,
+  /// points in eights.
   void measure(std::span<const std::array<Vec3f, 3>> triangles, std::int32_t first_index = 0);
   void measure(Vec3f a, Vec3f b, Vec3f c, std::int32_t index) {
     const std::array<Vec3f, 3> corners{a, b, c};
@@ -65,10 +74,16 @@ class DeviationBatch {
 
  private:
   void grow();
+  void measure_nearest(std::span<const std::array<Vec3f, 3>> triangles, std::int32_t first_index);
+  void measure_along_vertical(std::span<const std::array<Vec3f, 3>> triangles, std::int32_t first_index);
+
+  std::optional<LocalVertical> vertical_;
   std::size_t size_ = 0;
   bool measured_ = false;
-  float longest_edge_squared_ = 0;
+  float rounding_ = 0;  // that f32 arithmetic may take away from any distance
   std::vector<float> x_, y_, z_, best_;
+  std::vector<float> up_x_, up_y_, up_z_, inside_, best_through_;  // with a vertical
+  std::vector<std::int32_t> nearest_through_;
   std::vector<std::int32_t> nearest_;
 };
 

@@ -3,7 +3,7 @@
 
 #include "hierarchy/partition.h"
 #include "hierarchy/round_chunk.h"
-#include "ooc/ingest.h"
+#include "ooc/input_surface.h"
 #include "ooc/result.h"
 
 namespace cuesta {
@@ -13,8 +13,7 @@ struct InputChunk {
   Partition cells;  ///< runs of its triangles
 };
 
-/// Reads chunk c and the letters to it, gives vertices that it shares with others the numbers that those
-/// know, and puts all in the order in which pages store it. Depends on nothing but the surface.
+/// Reads chunk c and puts it in the order in which pages store it. Depends on nothing but the surface.
 /// @error io, corrupt
 Result<InputChunk> load_input_chunk(const InputSurface& surface, std::uint32_t c,
                                     std::uint32_t cell_triangles);

@@ -41,7 +41,7 @@ std::pair<std::uint32_t, std::uint32_t> group_of(const RoundChunk& chunk, std::u
 }
 
 /// Old number of each new vertex, in ascending order of new ids, which `chunk.ids` gets (in old order).
-std::vector<std::uint32_t> number_by_first_use(RoundChunk& chunk, VertexId first_free) {
+std::vector<std::uint32_t> number_by_first_use(RoundChunk& chunk) {
   std::vector<std::uint32_t> free;
   std::vector<std::uint8_t> known(chunk.locked);
   std::vector<VertexId> ids = chunk.ids;
@@ -51,7 +51,7 @@ std::vector<std::uint32_t> number_by_first_use(RoundChunk& chunk, VertexId first
       const auto [first, last] = group_of(chunk, v);
       for (std::uint32_t w = first; w < last; ++w) {
         known[w] = 1;
-        ids[w] = first_free + free.size();
+        ids[w] = chunk.first_free + free.size();
         free.push_back(w);
       }
     }
@@ -67,21 +67,21 @@ std::vector<std::uint32_t> number_by_first_use(RoundChunk& chunk, VertexId first
       order.push_back(v);
     }
   };
-  add_locked([&](VertexId id) { return id < first_free; });
+  add_locked([&](VertexId id) { return id < chunk.first_free; });
   order.insert(order.end(), free.begin(), free.end());
   add_locked([](VertexId) { return true; });
   return order;
 }
 
-void renumber(RoundChunk& chunk, VertexId first_free) {
-  const auto order = number_by_first_use(chunk, first_free);
+void renumber(RoundChunk& chunk) {
+  const auto order = number_by_first_use(chunk);
   std::vector<std::uint32_t> now(order.size());
-  const RoundChunk old = {std::move(chunk.ids), std::move(chunk.wedge), std::move(chunk.vertices),
-                          std::move(chunk.locked), {}, {}, {}, {}, {}};
+  SurfaceChunk old;
+  old.ids.swap(chunk.ids);
+  old.wedge.swap(chunk.wedge);
+  old.locked.swap(chunk.locked);
+  std::swap(old.vertices, chunk.vertices);
   chunk.vertices = gather(old.vertices, order);
-  chunk.ids.clear();
-  chunk.wedge.clear();
-  chunk.locked.clear();
   for (std::uint32_t i = 0; i < order.size(); ++i) {
     now[order[i]] = i;
     chunk.ids.push_back(old.ids[order[i]]);
@@ -93,8 +93,9 @@ void renumber(RoundChunk& chunk, VertexId first_free) {
 
 }  // namespace
 
-Partition order_for_pages(RoundChunk& chunk, VertexId first_free, std::uint32_t cell_triangles) {
-  Partition cells = partition_cells(triangle_centres(chunk.triangles, chunk.vertices.positions), cell_triangles, 0);
+Partition order_for_pages(RoundChunk& chunk, std::uint32_t cell_triangles) {
+  Partition cells =
+      partition_cells(triangle_centres(chunk.triangles, chunk.vertices.positions), cell_triangles, 0);
   std::vector<Triangle> ordered;
   ordered.reserve(chunk.triangles.size());
   for (std::uint32_t t : cells.order) ordered.push_back(chunk.triangles[t]);
@@ -106,7 +107,7 @@ Partition order_for_pages(RoundChunk& chunk, VertexId first_free, std::uint32_t 
     const auto run = std::span(chunk.triangles).subspan(cells.begin[c], cells.begin[c + 1] - cells.begin[c]);
     put_into_strips(run, numbers.local());
   });
-  renumber(chunk, first_free);
+  renumber(chunk);
   return cells;
 }
 

@@ -7,11 +7,10 @@
 
 namespace cuesta {
 
-/// Cuts a chunk of round 0 into cells, puts each cell's triangles into strips one after the other, and numbers
-/// the vertices that are not locked by their first use, wedge groups together: `first_free`, first_free + 1, …
-/// What survives a round keeps this order. In the calling TBB arena; same result for any number of threads.
-/// @pre ids of locked vertices are final; the others are consecutive numbers from first_free on.
+/// Cuts a chunk of round 0 into cells, puts each cell's triangles into strips one after the other, and
+/// numbers the vertices that are not locked by their first use, wedge groups together: chunk.first_free, + 1,
+/// … What survives a round keeps this order. In the calling TBB arena; same result for any number of threads.
 /// @return the cells: triangles are in their order now, so cell c is a run of them.
-Partition order_for_pages(RoundChunk& chunk, VertexId first_free, std::uint32_t cell_triangles);
+Partition order_for_pages(RoundChunk& chunk, std::uint32_t cell_triangles);
 
 }  // namespace cuesta

@@ -9,18 +9,9 @@
 #include "hierarchy/cell_mesh.h"
 #include "hierarchy/page.h"
 #include "hierarchy/partition.h"
-#include "ooc/triangle_order.h"
-#include "ooc/vertex_table.h"
+#include "ooc/input_surface.h"
 
 namespace cuesta {
-
-/// Number of a vertex of the whole surface: the chunk of round 0 that its position lies in, and its number
-/// there. All local orders are by it; the vertices of a wedge group have consecutive numbers.
-using VertexId = std::uint64_t;
-
-constexpr VertexId vertex_id(std::uint32_t chunk, std::uint32_t number) {
-  return VertexId{chunk} << 32 | number;
-}
 
 /// Which survivor of which page a triangle was; pages in ascending order, survivors too.
 struct TriangleOrigin {
@@ -34,13 +25,9 @@ struct SurvivorIds {
   std::vector<VertexId> ids;  ///< ascending
 };
 
-/// Per vertex 25 to 41 bytes; 12 bytes per triangle in round 0, then 44 and its samples, 12 bytes each.
-struct RoundChunk {
-  std::vector<VertexId> ids;         ///< ascending
-  std::vector<std::uint32_t> wedge;  ///< place of each vertex in its wedge group
-  VertexTable vertices;
-  std::vector<std::uint8_t> locked;  ///< 1: outside the chunk, or other chunks use its group
-  std::vector<Triangle> triangles;
+/// All local orders are by VertexId. Per vertex 25 to 41 bytes; 12 bytes per triangle in round 0, then 44 and
+/// its samples, 12 bytes each.
+struct RoundChunk : SurfaceChunk {
   std::vector<Birth> births;  ///< empty in round 0, as the following
   TriangleSamples samples;
   std::vector<TriangleOrigin> origins;

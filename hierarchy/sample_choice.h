@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,8 @@ namespace cuesta {
 /// Chooses, for a triangle at a time, the samples to keep. Scratch memory is reused; one object per cell.
 class SampleChoice {
  public:
+  /// @param vertical  what distances are along, as DeviationBatch has it
+  explicit SampleChoice(std::optional<LocalVertical> vertical = {}) : batch_(vertical) {}
   /// Keeps at most `most` of `samples` and moves them to the front, in their order: the farthest from the
   /// triangle in each of its parts (there are about 3/4 · most equal ones, and a sample belongs to the part
   /// it projects to), then the farthest of the rest. So the farthest of all is kept, and where there was a

@@ -25,6 +25,8 @@ SubstitutionKernel::SubstitutionKernel(CellMesh cell) : births_(std::move(cell.b
            std::numeric_limits<std::int32_t>::max()};
   for (const Vec3i& p : cell.positions) lo = min(lo, p);
   origin_ = lo;
+  if (cell.vertical) vertical_.emplace(*cell.vertical, lo);
+  batch_ = DeviationBatch(vertical_);
   for (std::uint32_t v = 0; v < vertices; ++v) {
     if (cell.wedge_group[v] == v) {
       first_vertex_.push_back(v);
@@ -345,6 +347,20 @@ bool SubstitutionKernel::keeps_orientation(PointId u, PointId v) const {
   return true;
 }
 
+/// Seen from above, no triangle of a field of heights turns over or is seen from its edge.
+bool SubstitutionKernel::stays_upright(PointId u, PointId v) const {
+  const Vec3d pv = vec_cast<double>(position_[v]);
+  for (TriangleId t : star(u)) {
+    if (has_corner(t, v)) continue;
+    const PointId a = next_corner(t, u), b = previous_corner(t, u);
+    const Vec3d normal = cross(vec_cast<double>(position_[a]) - pv, vec_cast<double>(position_[b]) - pv);
+    const double least = double{least_uprightness} * length(normal);
+    for (PointId p : {v, a, b})
+      if (!(dot(normal, vec_cast<double>(vertical_->up(position_[p]))) > least)) return false;
+  }
+  return true;
+}
+
 /// Each wedge of u goes to the wedge of v that it shares a triangle with.
 bool SubstitutionKernel::map_wedges(PointId u, PointId v) {
   wedge_map_.clear();
@@ -375,8 +391,8 @@ bool SubstitutionKernel::legal(PointId u, PointId v) {
   if (!can_move(u) || removed(v) || !may_join(u, v)) return false;
   closed_hole_ = 0;
   guarded_.clear();
-  return (loose_topology_ ? loosely_legal(u, v) : link_condition(u, v)) && keeps_orientation(u, v) &&
-         (wedges_.empty() || map_wedges(u, v));
+  return (loose_topology_ ? loosely_legal(u, v) : link_condition(u, v)) &&
+         (vertical_ ? stays_upright(u, v) : keeps_orientation(u, v)) && (wedges_.empty() || map_wedges(u, v));
 }
 
 /// Samples of the patch and the points that leave, into the batch.
@@ -615,7 +631,7 @@ CellSurvivors SubstitutionKernel::survivors() const {
   out.births.reserve(live_triangles_);
   out.samples.begin.reserve(live_triangles_ + 1);
   out.samples.begin.push_back(0);
-  SampleChoice choice;
+  SampleChoice choice(vertical_);
   std::vector<Vec3f> samples;
   for (TriangleId t = 0; t < corners_.size(); ++t) {
     if (!alive_[t]) continue;

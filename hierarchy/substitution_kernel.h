@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -67,6 +68,8 @@ class SubstitutionKernel {
   /// Measures u → v, which must be legal: the largest distance of the samples it moves, grid units, rounded
   /// up.
   float measure(PointId u, PointId v);
+  /// Whether samples have been left out, so that measure() is an estimate.
+  bool has_chosen_samples() const { return chosen_; }
   /// Largest birth error of the triangles that what was measured last depends on.
   float birth_error() const;
   /// Applies u → v as measured last; appends the wedge substitutions with this error to `children`, the balls
@@ -141,6 +144,7 @@ class SubstitutionKernel {
   void update_border(PointId p);
   bool ear_has_neighbour(PointId u, PointId v) const;
   bool keeps_orientation(PointId u, PointId v) const;
+  bool stays_upright(PointId u, PointId v) const;
   bool map_wedges(PointId u, PointId v);
   void collect_samples();
   float worst_bound() const;
@@ -152,8 +156,9 @@ class SubstitutionKernel {
   void remove_from_star(PointId p, TriangleId t);
   std::uint32_t next_stamp();
 
-  Vec3i origin_;                 // grid position of the local frame
-  std::vector<Vec3f> position_;  // per point, local, exact integers
+  Vec3i origin_;                           // grid position of the local frame
+  std::optional<LocalVertical> vertical_;  // of a field of heights
+  std::vector<Vec3f> position_;            // per point, local, exact integers
   std::vector<std::uint8_t> flags_;
   std::vector<Mover> movers_;
   std::vector<std::uint32_t> star_begin_, star_size_;

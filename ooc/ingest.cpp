@@ -8,6 +8,7 @@
 #include <system_error>
 #include <type_traits>
 
+#include "ooc/assemble_chunk.h"
 #include "ooc/byte_arrays.h"
 #include "ooc/check.h"
 #include "ooc/distribute.h"
@@ -88,7 +89,7 @@ class Ingest {
          const BuildProgress& progress)
       : folder_(folder), options_(options), memory_(memory), progress_(progress) {}
 
-  Result<InputSurface> run(const InputReader& read) {
+  Result<IngestedSurface> run(const InputReader& read) {
     if (!(options_.weld_tolerance >= 0) || !std::isfinite(options_.weld_tolerance))
       return fail(ErrorCode::invalid_input, "", "", "the weld tolerance must be a number from 0 on");
     if (auto r = read_stage(read); !r) return fail(r.error());
@@ -157,10 +158,11 @@ class Ingest {
     const Vec3d size = (vec_cast<double>(box.hi) - vec_cast<double>(box.lo)) * read_.survey.grid.step;
     const double most = std::max({size.x, size.y, size.z}) * kMostWeldPart;
     if (options_.weld_tolerance <= most) return {};
-    return fail(ErrorCode::invalid_input, "", "",
-                fmt::format("a weld tolerance of {} is too large for this surface, {} at most: give a little more "
-                            "than the width of the cracks",
-                            options_.weld_tolerance, most));
+    return fail(
+        ErrorCode::invalid_input, "", "",
+        fmt::format("a weld tolerance of {} is too large for this surface, {} at most: give a little more "
+                    "than the width of the cracks",
+                    options_.weld_tolerance, most));
   }
 
   Result<void> distribute_stage() {
@@ -196,8 +198,8 @@ class Ingest {
     if (!*known) {
       auto soup = BucketFile::open(folder_.path() / soup_name, soup_index_);
       if (!soup) return fail(soup.error());
-      const SoupChunks chunks{*soup, *tree_, layout_, read_.survey.box, read_.counts.triangles,
-                              bytes_of_largest(*soup)};
+      const SoupChunks chunks{
+          *soup, *tree_, layout_, read_.survey.box, read_.counts.triangles, bytes_of_largest(*soup)};
       const auto moved = weld_borders(
           chunks, options_.weld_tolerance / read_.survey.grid.step, memory_, folder_.path(),
           [&](std::uint64_t done) { return report("weld", done, read_.counts.triangles).has_value(); });
@@ -323,7 +325,7 @@ class Ingest {
     return true;
   }
 
-  Result<InputSurface> finish() {
+  Result<IngestedSurface> finish() {
     if (out_.triangles == 0)
       return fail(ErrorCode::invalid_input, "", "", "no triangle is left after cleaning");
     out_.grid = read_.survey.grid;
@@ -352,24 +354,28 @@ class Ingest {
   std::unique_ptr<SpaceTree> tree_;
   std::vector<std::byte> soup_index_, moved_index_;
   std::uint64_t nonfinite_faces_ = 0, vertices_used_ = 0, end_ = 0;
-  InputSurface out_;
+  IngestedSurface out_;
 };
 
-Result<void> InputSurface::read(const Part& part, std::span<std::byte> bytes) const {
+Result<void> IngestedSurface::read(const Part& part, std::span<std::byte> bytes) const {
   if (auto r = file_->read_at(part.offset, bytes); !r) return r;
   if (checksum(bytes) == part.checksum) return {};
   return fail(ErrorCode::corrupt, file_->path().string(), "byte " + std::to_string(part.offset),
               "a part of the surface does not match its checksum; run the same command again to start over");
 }
 
-Result<CleanChunk> InputSurface::chunk(std::uint32_t c) const {
+Result<SurfaceChunk> IngestedSurface::chunk(std::uint32_t c) const {
   const Part& part = chunks_[c].part;
   std::vector<std::byte> bytes(part.bytes);
   if (auto r = read(part, bytes); !r) return fail(r.error());
-  return decode_chunk(bytes);
+  auto clean = decode_chunk(bytes);
+  if (!clean) return fail(clean.error());
+  auto replies = replies_to(c);
+  if (!replies) return fail(replies.error());
+  return assemble_chunk(c, std::move(*clean), *replies);
 }
 
-Result<std::vector<ChunkReplies>> InputSurface::replies_to(std::uint32_t c) const {
+Result<std::vector<ChunkReplies>> IngestedSurface::replies_to(std::uint32_t c) const {
   std::vector<ChunkReplies> out;
   for (const Letter& letter : chunks_[c].letters) {
     ChunkReplies& replies = out.emplace_back();
@@ -381,16 +387,16 @@ Result<std::vector<ChunkReplies>> InputSurface::replies_to(std::uint32_t c) cons
   return out;
 }
 
-void InputSurface::prefetch(std::uint32_t c) const {
+void IngestedSurface::prefetch(std::uint32_t c) const {
   file_->prefetch(chunks_[c].part.offset, chunks_[c].part.bytes);
 }
 
-void InputSurface::discard(std::uint32_t c) const {
+void IngestedSurface::discard(std::uint32_t c) const {
   file_->discard(chunks_[c].part.offset, chunks_[c].part.bytes);
 }
 
-Result<InputSurface> ingest(WorkFolder& folder, const IngestOptions& options, MemoryBudget& memory,
-                            const InputReader& read, const BuildProgress& progress) {
+Result<IngestedSurface> ingest(WorkFolder& folder, const IngestOptions& options, MemoryBudget& memory,
+                               const InputReader& read, const BuildProgress& progress) {
   return Ingest(folder, options, memory, progress).run(read);
 }
 

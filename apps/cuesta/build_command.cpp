@@ -117,7 +117,7 @@ Result<std::vector<ReadReport>> read_inputs(const BuildSettings& s, const BuildF
   return reports;
 }
 
-void note_surface(const InputSurface& surface, BuildFacts& facts) {
+void note_surface(const IngestedSurface& surface, BuildFacts& facts) {
   for (std::size_t i = 0; i < surface.inputs.size(); ++i) facts.inputs[i].read = surface.inputs[i];
   facts.missing = surface.missing;
   facts.clean = surface.report;

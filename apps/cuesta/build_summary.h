@@ -7,6 +7,7 @@
 
 #include "apps/cuesta/build_command.h"
 #include "hierarchy/build_hierarchy.h"
+#include "ooc/ingest.h"
 #include "ooc/clean_report.h"
 #include "ooc/mesh_reader.h"
 

@@ -48,38 +48,29 @@ Result<std::vector<ReadReport>> feed(const SurfaceMesh& mesh, RawSurface& sink) 
 GridMesh put_together(const InputSurface& surface) {
   GridMesh out;
   out.grid = surface.grid;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> number;  // of (chunk, vertex)
-  std::vector<CleanChunk> chunks;
-  for (std::uint32_t c = 0; c < surface.chunk_count(); ++c) {
-    chunks.push_back(surface.chunk(c).value());
-    const CleanChunk& chunk = chunks.back();
-    for (std::uint32_t v = 0; v < chunk.vertices.size(); ++v) {
-      const auto n = static_cast<std::uint32_t>(out.positions.size());
-      number[{c, v}] = n;
-      out.wedge_group.push_back(n - chunk.wedge[v]);
-      out.positions.push_back(chunk.vertices.positions[v]);
-      if (!chunk.vertices.normals.empty())
-        out.normals.push_back(decode_oct(chunk.vertices.normals[v], normal_bits));
-      if (!chunk.vertices.colours.empty()) out.colours.push_back(chunk.vertices.colours[v]);
-      if (!chunk.vertices.texcoords.empty())
-        out.texcoords.push_back({static_cast<float>(chunk.vertices.texcoords[v][0]) / 65536,
-                                 static_cast<float>(chunk.vertices.texcoords[v][1]) / 65536});
-    }
+  std::vector<SurfaceChunk> chunks;
+  std::map<VertexId, std::pair<const SurfaceChunk*, std::size_t>> vertices;  // and where it is
+  for (std::uint32_t c = 0; c < surface.chunk_count(); ++c) chunks.push_back(surface.chunk(c).value());
+  for (const SurfaceChunk& chunk : chunks)
+    for (std::size_t v = 0; v < chunk.ids.size(); ++v) vertices.try_emplace(chunk.ids[v], &chunk, v);
+  std::map<VertexId, std::uint32_t> number;
+  for (const auto& [id, at] : vertices) {
+    const auto& [chunk, v] = at;
+    const auto n = static_cast<std::uint32_t>(out.positions.size());
+    number[id] = n;
+    out.wedge_group.push_back(n - chunk->wedge[v]);
+    out.positions.push_back(chunk->vertices.positions[v]);
+    if (!chunk->vertices.normals.empty())
+      out.normals.push_back(decode_oct(chunk->vertices.normals[v], normal_bits));
+    if (!chunk->vertices.colours.empty()) out.colours.push_back(chunk->vertices.colours[v]);
+    if (!chunk->vertices.texcoords.empty())
+      out.texcoords.push_back({static_cast<float>(chunk->vertices.texcoords[v][0]) / 65536,
+                               static_cast<float>(chunk->vertices.texcoords[v][1]) / 65536});
   }
-  for (std::uint32_t c = 0; c < surface.chunk_count(); ++c) {
-    const CleanChunk& chunk = chunks[c];
-    std::map<std::uint64_t, std::uint32_t> foreign;  // slot → number
-    const auto letters = surface.replies_to(c).value();
-    for (const ChunkReplies& letter : letters)
-      for (const CornerReply& r : letter.corners) foreign[r.slot] = number.at({letter.chunk, r.vertex});
-    const auto own = static_cast<std::uint32_t>(chunk.vertices.size());
-    for (const Triangle& t : chunk.triangles) {
-      Triangle g;
-      for (std::size_t k = 0; k < 3; ++k)
-        g[k] = t[k] < own ? number.at({c, t[k]}) : foreign.at(chunk.foreign_slots[t[k] - own]);
-      out.triangles.push_back(g);
-    }
-  }
+  for (const SurfaceChunk& chunk : chunks)
+    for (const Triangle& t : chunk.triangles)
+      out.triangles.push_back(
+          {number.at(chunk.ids[t[0]]), number.at(chunk.ids[t[1]]), number.at(chunk.ids[t[2]])});
   sort_by_lowest_vertex(out.triangles, out.positions.size());
   return out;
 }
@@ -89,11 +80,10 @@ Result<GridMesh> clean_mesh(const SurfaceMesh& mesh, const CleanOptions& options
   auto folder = WorkFolder::open(path, "test");
   if (!folder) return fail(folder.error());
   MemoryBudget memory(std::uint64_t{1} << 30);
-  auto surface =
-      ingest(*folder,
-             {options.step, options.make_normals, options.chunk_triangles, options.block_vertices,
-              options.weld_tolerance},
-             memory, [&](RawSurface& sink) { return feed(mesh, sink); });
+  auto surface = ingest(*folder,
+                        {options.step, options.make_normals, options.chunk_triangles, options.block_vertices,
+                         options.weld_tolerance},
+                        memory, [&](RawSurface& sink) { return feed(mesh, sink); });
   Result<GridMesh> out;
   if (surface) {
     report = surface->report;

@@ -122,7 +122,7 @@ TEST(Ingest, AttributesAnyFileHasAreKeptAndTheRestCounted) {
 }
 
 /// Ingests in a folder of its own.
-Result<test::GridMesh> ingested(const Paths& paths, InputSurface& surface, bool make_normals = true) {
+Result<test::GridMesh> ingested(const Paths& paths, IngestedSurface& surface, bool make_normals = true) {
   const test::ScratchFolder scratch;
   auto folder = WorkFolder::open(scratch / "work", "test");
   if (!folder) return fail(folder.error());
@@ -138,7 +138,7 @@ TEST(Ingest, MissingNormalsAreComputedOrLeftOut) {
   const test::ScratchFolder folder;
   const Paths paths{folder.write("a.obj", plain), folder.write("b.ply", coloured)};
   for (const bool make_normals : {true, false}) {
-    InputSurface surface;
+    IngestedSurface surface;
     const auto mesh = ingested(paths, surface, make_normals);
     ASSERT_TRUE(mesh) << mesh.error().text();
     EXPECT_EQ(surface.missing.normals, 3u);
@@ -172,7 +172,7 @@ TEST(Ingest, SeveralFilesGiveTheSurfaceOfOne) {
   const auto whole = folder.write("whole.obj", obj_of(mesh, 0, all));
   const auto one = folder.write("one.obj", obj_of(mesh, 0, all / 3));
   const auto two = folder.write("two.obj", obj_of(mesh, all / 3, all));
-  InputSurface whole_surface, surface;
+  IngestedSurface whole_surface, surface;
   const auto expected = ingested({whole}, whole_surface);
   const auto found = ingested({one, two}, surface);
   ASSERT_TRUE(expected && found);

@@ -278,7 +278,7 @@ TEST(WeldBorders, TheSameForAnyBlocksAndThreads) {
     }
 }
 
-Result<InputSurface> ingested(WorkFolder& folder, const SurfaceMesh& mesh, double tolerance,
+Result<IngestedSurface> ingested(WorkFolder& folder, const SurfaceMesh& mesh, double tolerance,
                               const BuildProgress& progress = {}, std::uint64_t memory_bytes = test_memory) {
   MemoryBudget memory(memory_bytes);
   auto surface = ingest(

@@ -1,0 +1,92 @@
+#include "hierarchy/vertical_deviation.h"
+
+#include <algorithm>
+
+#include "hierarchy/vector_clones.h"
+
+namespace cuesta {
+namespace {
+
+constexpr std::size_t point_block = 8;
+
+std::size_t padded(std::size_t n) {
+  return (n + point_block - 1) / point_block * point_block;
+}
+
+/// One up for all: barycentric coordinates and heights are linear in the point.
+CUESTA_VECTOR_CLONES
+void measure_on_plane(const UprightTriangle& t, Vec3f up, std::int32_t index, const VerticalPoints& points) {
+  const Vec3f a = t.corners[0], ab = t.corners[1] - a, ac = t.corners[2] - a;
+  const float upright = dot(up, t.normal), inv = 1.0f / (upright * t.twice_area);
+  const Vec3f to_b = cross(ac, up) * inv, to_c = cross(up, ab) * inv, to_h = t.normal * (1.0f / upright);
+  const std::size_t n = padded(points.count);
+  const float* __restrict x = points.x, * __restrict y = points.y, * __restrict z = points.z;
+  float* __restrict inside = points.inside, * __restrict squared = points.squared;
+  std::int32_t* __restrict nearest = points.nearest;
+  for (std::size_t i = 0; i < n; ++i) {
+    const float qx = x[i] - a.x, qy = y[i] - a.y, qz = z[i] - a.z;
+    const float b = qx * to_b.x + qy * to_b.y + qz * to_b.z;
+    const float c = qx * to_c.x + qy * to_c.y + qz * to_c.z;
+    const float h = qx * to_h.x + qy * to_h.y + qz * to_h.z;
+    const float least = std::min(std::min(b, c), 1.0f - b - c);
+    const bool better = least > inside[i];
+    squared[i] = better ? h * h : squared[i];
+    nearest[i] = better ? index : nearest[i];
+    inside[i] = better ? least : inside[i];
+  }
+}
+
+CUESTA_VECTOR_CLONES
+void measure_on_ellipsoid(const UprightTriangle& t, std::int32_t index, const VerticalPoints& points) {
+  const Vec3f a = t.corners[0], ab = t.corners[1] - a, ac = t.corners[2] - a, n = t.normal;
+  const std::size_t count = padded(points.count);
+  const float* __restrict x = points.x, * __restrict y = points.y, * __restrict z = points.z;
+  const float* __restrict ux = points.up_x, * __restrict uy = points.up_y, * __restrict uz = points.up_z;
+  float* __restrict inside = points.inside, * __restrict squared = points.squared;
+  std::int32_t* __restrict nearest = points.nearest;
+  for (std::size_t i = 0; i < count; ++i) {
+    const float qx = x[i] - a.x, qy = y[i] - a.y, qz = z[i] - a.z;
+    const float upright = ux[i] * n.x + uy[i] * n.y + uz[i] * n.z;
+    // q × up, of which both coordinates are products.
+    const float mx = qy * uz[i] - qz * uy[i], my = qz * ux[i] - qx * uz[i], mz = qx * uy[i] - qy * ux[i];
+    const float inv = 1.0f / (upright * t.twice_area);
+    const float b = -(mx * ac.x + my * ac.y + mz * ac.z) * inv;
+    const float c = (mx * ab.x + my * ab.y + mz * ab.z) * inv;
+    const float h = (qx * n.x + qy * n.y + qz * n.z) / upright;
+    const float per_up = ux[i] * ux[i] + uy[i] * uy[i] + uz[i] * uz[i];
+    const float least = upright > 0 ? std::min(std::min(b, c), 1.0f - b - c) : -1e30f;
+    const bool better = least > inside[i];
+    squared[i] = better ? h * h * per_up : squared[i];
+    nearest[i] = better ? index : nearest[i];
+    inside[i] = better ? least : inside[i];
+  }
+}
+
+}  // namespace
+
+UprightTriangle upright(const std::array<Vec3f, 3>& corners, const LocalVertical& vertical) {
+  UprightTriangle t;
+  t.corners = corners;
+  const Vec3d a = vec_cast<double>(corners[0]), b = vec_cast<double>(corners[1]),
+              c = vec_cast<double>(corners[2]);
+  const Vec3d n = cross(b - a, c - a);
+  const double twice_area = length(n);
+  t.longest_squared = static_cast<float>(std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)}));
+  if (!(twice_area > 0)) return t;
+  t.normal = vec_cast<float>(n / twice_area);
+  t.twice_area = static_cast<float>(twice_area);
+  t.uprightness = 1;
+  for (const Vec3f& p : corners) t.uprightness = std::min(t.uprightness, dot(t.normal, vertical.up(p)));
+  return t;
+}
+
+void measure_vertical(const UprightTriangle& t, const LocalVertical& vertical, std::int32_t index,
+                      const VerticalPoints& points) {
+  if (!(t.uprightness > 0)) return;
+  if (vertical.is_plane)
+    measure_on_plane(t, vertical.up_at_origin, index, points);
+  else
+    measure_on_ellipsoid(t, index, points);
+}
+
+}  // namespace cuesta
