@@ -270,8 +270,16 @@ class HierarchyBuilder {
     ChunkOutput out;
     out.cells.resize(cells.cell_count());
     const CellOptions options{state.round, plan.base, options_.round_reduction};
-    tbb::parallel_for(0u, cells.cell_count(),
-                      [&](std::uint32_t i) { out.cells[i] = run_cell_task(cells.cell(i), chunk, options); });
+    std::vector<std::optional<Error>> errors(cells.cell_count());
+    tbb::parallel_for(0u, cells.cell_count(), [&](std::uint32_t i) {
+      auto cell = run_cell_task(cells.cell(i), chunk, surface_, options);
+      if (cell)
+        out.cells[i] = std::move(*cell);
+      else
+        errors[i] = std::move(cell).error();
+    });
+    for (std::optional<Error>& error : errors)
+      if (error) return fail(std::move(*error));
     return out;
   }
 

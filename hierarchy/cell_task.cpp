@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "hierarchy/bounding_sphere.h"
+#include "hierarchy/exact_errors.h"
 #include "hierarchy/simplify_cell.h"
 
 namespace cuesta {
@@ -92,7 +93,8 @@ void describe_survivors(const PageSurvivors& survivors, std::uint32_t next_round
 
 }  // namespace
 
-CellOutput run_cell_task(Cell cell, const RoundChunk& chunk, const CellOptions& options) {
+Result<CellOutput> run_cell_task(Cell cell, const RoundChunk& chunk, const InputSurface& surface,
+                                 const CellOptions& options) {
   Page page;
   page.round = options.round;
   page.base = options.base;
@@ -102,12 +104,18 @@ CellOutput run_cell_task(Cell cell, const RoundChunk& chunk, const CellOptions& 
   for (std::uint32_t v = 0; v < page.vertex_count; ++v)
     if (cell.mesh.wedge_group[v] != v) page.wedge_tails.push_back(v);
   const std::vector<Vec3i> positions = cell.mesh.positions;
+  cell.mesh.vertical = surface.vertical;
+  std::vector<Birth> births;
+  if (surface.vertical) births = cell.mesh.births;
   SimplifyOptions simplify;
   if (!options.base)
     simplify.target_triangles =
         static_cast<std::uint32_t>(static_cast<double>(page.triangles.size()) / options.round_reduction);
   SimplifyResult simplified = simplify_cell(std::move(cell.mesh), simplify);
   page.script = std::move(simplified.script);
+  if (simplified.errors_are_estimates && surface.vertical)
+    if (auto r = make_errors_exact(surface, positions, births, page, simplified.survivors); !r)
+      return fail(r.error());
   if (!options.base) page.orphans = orphans_of(page, simplified.survivors);
   const auto owned = owned_vertices(page);
   page.owned = owned_vertices_of(page, owned, chunk, cell.vertices);

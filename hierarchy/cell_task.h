@@ -1,6 +1,6 @@
 #pragma once
 /// The task of a build: one cell of a round → a page, and what the next round gets. Pure: addressed by
-/// (round, cell), a function of the cell and the options alone.
+/// (round, cell), a function of the surface, the cell and the options alone.
 
 #include <cstddef>
 #include <cstdint>
@@ -10,6 +10,8 @@
 #include "hierarchy/page_codec.h"
 #include "hierarchy/page_survivors.h"
 #include "hierarchy/round_chunk.h"
+#include "ooc/input_surface.h"
+#include "ooc/result.h"
 
 namespace cuesta {
 
@@ -39,6 +41,9 @@ struct CellOutput {
 /// One surviving triangle of so many is in CellFacts::centres.
 inline constexpr std::uint32_t centre_stride = 64;
 
-CellOutput run_cell_task(Cell cell, const RoundChunk& chunk, const CellOptions& options);
+/// @param surface  what a field of heights is measured against
+/// @error those of InputSurface::measure()
+Result<CellOutput> run_cell_task(Cell cell, const RoundChunk& chunk, const InputSurface& surface,
+                                 const CellOptions& options);
 
 }  // namespace cuesta

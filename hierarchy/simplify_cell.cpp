@@ -67,6 +67,7 @@ class FanMerger {
     if (!loose_ && manifold_)
       result_.script.strict_fans = static_cast<std::uint32_t>(result_.script.fans.size());
     order_children();
+    result_.errors_are_estimates = kernel_.has_chosen_samples();
     result_.survivors = kernel_.survivors();
     return std::move(result_);
   }

@@ -21,6 +21,8 @@ struct SimplifyResult {
   Script script;
   CellSurvivors survivors;
   std::uint32_t passes = 0;
+  /// Some samples of the cell had been left out: errors have a margin for them (chosen_samples_margin).
+  bool errors_are_estimates = false;
 };
 
 /// Simplifies `cell` (consumed) by fan-merges. Pure and deterministic; knows no threads, files or clocks.

@@ -55,9 +55,9 @@ class InputSurface {
 
   /// Of a field of heights: the largest vertical distance between each triangle and all postings above and
   /// below it, in grid units; 0 where there is none. In the calling TBB arena.
-  /// @param triangles  corners in grid units, counter-clockwise seen from above
-  /// @pre   vertical has a value, and `distances` is as long as `triangles`
-  virtual Result<void> measure(std::span<const std::array<Vec3i, 3>> triangles,
+  /// @param corners    of each triangle in grid units, counter-clockwise seen from above
+  /// @pre   vertical has a value, and `distances` is as long as `corners`
+  virtual Result<void> measure(std::span<const std::array<Vec3i, 3>> corners,
                                std::span<float> distances) const;
 };
 

@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "ooc/check.h"
+
 namespace cuesta {
 namespace {
 
@@ -90,12 +92,30 @@ Vec3d Frame::position_m(Geodetic at) const {
 }
 
 Vec3d Frame::position_m(const Crs& crs, PlanePoint p, double h_m) const {
-  if (crs_ && same_coordinates(crs.definition(), crs_->definition())) {
+  if (is_plane_of(crs)) {
     const double unit_m = crs.definition().unit;
     return {p.x * unit_m, p.y * unit_m, h_m};
   }
   const LatLon at = crs.lat_lon(p);
   return position_m(Geodetic{at.lat_deg, at.lon_deg, h_m});
+}
+
+bool Frame::is_plane_of(const Crs& crs) const {
+  return crs_ && same_coordinates(crs.definition(), crs_->definition());
+}
+
+Vec3d Frame::of_ecef_m(Vec3d p_m) const {
+  CUESTA_CHECK(kind_ != FrameKind::projected);
+  return to_axes(p_m - origin_ecef_m_);
+}
+
+Vertical Frame::vertical_m() const {
+  if (kind_ == FrameKind::projected) return {};
+  const double shrink = 1 - GeographicLib::Geocentric::WGS84().Flattening();
+  return {.axis = to_axes({0, 0, 1}),
+          .is_plane = false,
+          .centre = to_axes(-origin_ecef_m_),
+          .stretch = 1 / (shrink * shrink) - 1};
 }
 
 Vec3d Frame::up(Vec3d position_m) const {

@@ -11,6 +11,7 @@
 
 #include "ooc/result.h"
 #include "ooc/vec.h"
+#include "ooc/vertical.h"
 #include "terrain/crs.h"
 
 namespace cuesta {
@@ -38,6 +39,11 @@ class Frame {
   /// Exact (no detour over latitudes) where the frame is that same system.
   Vec3d position_m(const Crs& crs, PlanePoint p, double h_m) const;
 
+  /// Position of a point given in ECEF. @pre kind() is not projected
+  Vec3d of_ecef_m(Vec3d p_m) const;
+  /// Which way is up, in metres.
+  Vertical vertical_m() const;
+
   /// Unit vector that points up there: the normal of the ellipsoid, or z in a projected frame.
   Vec3d up(Vec3d position_m) const;
 
@@ -45,6 +51,8 @@ class Frame {
   Geodetic geodetic(Vec3d position_m) const;
 
   FrameKind kind() const { return kind_; }
+  /// Whether positions are this system's coordinates themselves, in metres.
+  bool is_plane_of(const Crs& crs) const;
   /// "ECEF, metres, WGS 84"
   std::string description() const;
 

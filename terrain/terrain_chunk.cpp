@@ -1,0 +1,214 @@
+#include "terrain/terrain_chunk.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ooc/oct_normal.h"
+
+namespace cuesta {
+namespace {
+
+bool is_place(Vec3d p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+/// From the postings beside it, those that there are; up where they make none.
+Vec3f normal_at(const PostingWindow& window, std::int64_t x, std::int64_t y, Vec3d up) {
+  const Vec3d centre = window.positions_m[window.index(x, y)];
+  const auto at = [&](std::int64_t dx, std::int64_t dy) {
+    const std::size_t i = window.index(x + dx, y + dy);
+    return window.has_height[i] ? window.positions_m[i] : centre;
+  };
+  const Vec3d n = cross(at(1, 0) - at(-1, 0), at(0, -1) - at(0, 1));
+  return vec_cast<float>(normalized(dot(n, n) > 0 ? n : up));
+}
+
+}  // namespace
+
+Result<PostingWindow> read_postings(const PostingStore& store, const PostingPositions& positions,
+                                    const LatticeSquare& square) {
+  PostingWindow w;
+  w.square = square;
+  w.width = std::uint64_t{square.width} + 3;
+  w.height = std::uint64_t{square.height} + 3;
+  const auto column = static_cast<std::int64_t>(square.column) - 1,
+             row = static_cast<std::int64_t>(square.row) - 1;
+  const std::size_t count = w.width * w.height;
+  w.heights_m.resize(count);
+  if (auto r = store.read(square.layer, column, row, w.width, w.height, w.heights_m); !r)
+    return fail(r.error());
+  w.positions_m.resize(count);
+  positions.of(column, row, w.width, w.height, w.heights_m, w.positions_m);
+  w.has_height.resize(count);
+  for (std::size_t i = 0; i < count; ++i) w.has_height[i] = is_place(w.positions_m[i]);
+  return w;
+}
+
+TerrainChunk::TerrainChunk(const TerrainSurface& surface, std::uint32_t chunk)
+    : surface_(surface), chunk_(chunk), seams_(surface.seams_of(chunk)) {}
+
+Result<void> TerrainChunk::read() {
+  const LatticeSquare square = surface_.store_.squares().square(surface_.store_.square_of(chunk_));
+  auto window = read_postings(surface_.store_, surface_.positions_[square.layer], square);
+  if (!window) return fail(window.error());
+  window_ = std::move(*window);
+  return {};
+}
+
+PostingRef TerrainChunk::place(const LatticePatch::Corner& corner) const {
+  const LatticeSquare& s = window_.square;
+  return surface_.place(s.layer, static_cast<std::int64_t>(s.column + corner.x),
+                        static_cast<std::int64_t>(s.row + corner.y));
+}
+
+TerrainChunk::Key TerrainChunk::key_of(const LatticePatch::Corner& corner) const {
+  return (corner.y * (window_.square.width + 1) + corner.x) * LatticePatch::most_fans + corner.fan;
+}
+
+void TerrainChunk::collect(const LatticePatch& patch) {
+  const LatticeSquare& s = window_.square;
+  const MosaicLayer& layer = surface_.layers_[s.layer];
+  const auto is_pole = [&](const LatticePatch::Corner& c) {
+    const std::uint64_t row = s.row + c.y;
+    return (layer.north_pole && row == 0) || (layer.south_pole && row + 1 == layer.height);
+  };
+  triangles_.clear();
+  triangles_.reserve(std::size_t{2} * s.width * s.height);
+  patch.for_triangles([&](std::array<LatticePatch::Corner, 3> corners) {
+    int at_pole = 0;
+    for (LatticePatch::Corner& c : corners)
+      if (is_pole(c)) {
+        ++at_pole;
+        c.fan = 0;
+      } else if (c.fan > 0 && surface_.is_in_seam(place(c))) {
+        c.fan = 0;
+      }
+    if (at_pole < 2) triangles_.push_back(corners);
+  });
+}
+
+std::vector<TerrainChunk::Vertex> TerrainChunk::vertices() const {
+  const LatticeSquare& s = window_.square;
+  std::vector<std::uint8_t> used(std::size_t{s.width + 1} * (s.height + 1) * LatticePatch::most_fans, 0);
+  for (const auto& t : triangles_)
+    for (const LatticePatch::Corner& c : t) used[key_of(c)] = 1;
+  std::vector<Vertex> own, others;  // by id; to be sorted
+  own.reserve(std::size_t{s.width} * s.height);
+  for (std::uint32_t y = 0; y <= s.height; ++y)
+    for (std::uint32_t x = 0; x <= s.width; ++x)
+      for (std::uint32_t fan = 0; fan < LatticePatch::most_fans; ++fan) {
+        const LatticePatch::Corner c{x, y, fan};
+        if (!used[key_of(c)]) continue;
+        const Vertex v{surface_.id_of(place(c), fan), c, nullptr};
+        const bool in_order = own.empty() || own.back().id < v.id;
+        (in_order && fan == 0 && x < s.width && y < s.height ? own : others).push_back(v);
+      }
+  for (const SeamTriangle& t : seams_)
+    for (const PostingRef& p : t)
+      others.push_back({surface_.id_of(surface_.place(p.layer, static_cast<std::int64_t>(p.column),
+                                                      static_cast<std::int64_t>(p.row)),
+                                       0),
+                        {},
+                        &p});
+  const auto by_id = [](const Vertex& a, const Vertex& b) { return a.id < b.id; };
+  std::stable_sort(others.begin(), others.end(), by_id);
+  std::vector<Vertex> all(own.size() + others.size());
+  std::merge(own.begin(), own.end(), others.begin(), others.end(), all.begin(), by_id);
+  all.erase(
+      std::unique(all.begin(), all.end(), [](const Vertex& a, const Vertex& b) { return a.id == b.id; }),
+      all.end());
+  return all;
+}
+
+/// Postings at the square's northern and western edges are corners of other squares' cells.
+bool TerrainChunk::is_locked(const Vertex& v) const {
+  const LatticeSquare& s = window_.square;
+  if (v.elsewhere || v.at.x == 0 || v.at.y == 0 || v.at.x == s.width || v.at.y == s.height) return true;
+  const PostingRef at = place(v.at);
+  const MosaicLayer& layer = surface_.layers_[s.layer];
+  const bool pole = layer.south_pole && at.row + 1 == layer.height;  // a northern one has y 0
+  return pole || surface_.is_in_seam(at);
+}
+
+Result<void> TerrainChunk::add(const Vertex& v, SurfaceChunk& out) const {
+  const PostingWindow* window = &window_;
+  Result<PostingWindow> around;
+  std::int64_t x = v.at.x, y = v.at.y;
+  if (v.elsewhere) {
+    const PostingRef& p = *v.elsewhere;
+    around = read_postings(surface_.store_, surface_.positions_[p.layer], {p.layer, p.column, p.row, 1, 1});
+    if (!around) return fail(around.error());
+    window = &*around;
+    x = y = 0;
+  }
+  const Vec3i position = surface_.grid.snap(window->positions_m[window->index(x, y)]);
+  out.ids.push_back(v.id);
+  out.locked.push_back(is_locked(v));
+  out.vertices.positions.push_back(position);
+  if (surface_.attributes.normals)
+    out.vertices.normals.push_back(encode_oct(
+        normal_at(*window, x, y, surface_.vertical->direction(vec_cast<double>(position))), normal_bits));
+  return {};
+}
+
+Result<SurfaceChunk> TerrainChunk::make() {
+  if (auto r = read(); !r) return fail(r.error());
+  collect(LatticePatch(window_.square.width, window_.square.height, window_.has_height));
+  const auto all = vertices();
+  SurfaceChunk out;
+  out.ids.reserve(all.size());
+  out.locked.reserve(all.size());
+  out.vertices.reserve(all.size(), surface_.attributes);
+  for (const Vertex& v : all)
+    if (auto r = add(v, out); !r) return fail(r.error());
+  out.wedge.assign(all.size(), 0);
+  const std::uint64_t side = surface_.store_.squares().side();
+  out.first_free = vertex_id(chunk_, static_cast<std::uint32_t>(LatticePatch::most_fans * side * side));
+
+  const auto number_of = [&](VertexId id) {
+    return static_cast<std::uint32_t>(std::lower_bound(out.ids.begin(), out.ids.end(), id) - out.ids.begin());
+  };
+  std::vector<std::uint32_t> number(std::size_t{window_.square.width + 1} * (window_.square.height + 1) *
+                                    LatticePatch::most_fans);
+  for (std::uint32_t i = 0; i < all.size(); ++i)
+    if (!all[i].elsewhere) number[key_of(all[i].at)] = i + 1;
+  const auto corner_number = [&](const LatticePatch::Corner& c) {
+    const std::uint32_t known = number[key_of(c)];  // 0: a pole, under another corner's name
+    return known > 0 ? known - 1 : number_of(surface_.id_of(place(c), c.fan));
+  };
+  out.triangles.reserve(triangles_.size() + seams_.size());
+  for (const auto& t : triangles_)
+    out.triangles.push_back({corner_number(t[0]), corner_number(t[1]), corner_number(t[2])});
+  for (const SeamTriangle& t : seams_) {
+    Triangle corners{};
+    for (std::size_t k = 0; k < 3; ++k)
+      corners[k] = number_of(surface_.id_of(surface_.place(t[k].layer, static_cast<std::int64_t>(t[k].column),
+                                                           static_cast<std::int64_t>(t[k].row)),
+                                            0));
+    out.triangles.push_back(corners);
+  }
+  return out;
+}
+
+Result<TerrainChunk::Facts> TerrainChunk::facts() {
+  if (auto r = read(); !r) return fail(r.error());
+  const LatticePatch patch(window_.square.width, window_.square.height, window_.has_height);
+  collect(patch);
+  Facts facts;
+  facts.triangles = triangles_.size() + seams_.size();
+  const LatticeSquare& s = window_.square;
+  for (std::uint32_t y = 0; y < s.height; ++y)
+    for (std::uint32_t x = 0; x < s.width; ++x) {
+      const std::size_t i = window_.index(x, y);
+      if (!window_.has_height[i]) continue;
+      const PostingRef at = place({x, y, 0});
+      if (at.column != s.column + x) continue;  // at a pole, where another posting stands for it
+      const bool in_seam = surface_.is_in_seam(at);
+      const std::uint32_t fans = in_seam ? 1 : patch.fans(x, y);
+      facts.vertices += fans;
+      if (fans > 0) facts.box_m.add(window_.positions_m[i]);
+    }
+  return facts;
+}
+
+}  // namespace cuesta
