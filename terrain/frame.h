@@ -53,6 +53,10 @@ class Frame {
   FrameKind kind() const { return kind_; }
   /// Whether positions are this system's coordinates themselves, in metres.
   bool is_plane_of(const Crs& crs) const;
+  /// Of a local frame; zeros for others.
+  Geodetic origin() const { return origin_; }
+  /// Of a projected frame; null for others.
+  const Crs* crs() const { return crs_ ? &*crs_ : nullptr; }
   /// "ECEF, metres, WGS 84"
   std::string description() const;
 
