@@ -17,6 +17,7 @@
 #include "apps/cuesta/machine.h"
 #include "apps/cuesta/measure_command.h"
 #include "apps/cuesta/render_command.h"
+#include "apps/cuesta/sample_command.h"
 #include "apps/cuesta/text_forms.h"
 #include "apps/cuesta/verify_command.h"
 #include "apps/cuesta/view_command.h"
@@ -414,6 +415,29 @@ void add_export(CLI::App& program, Common& common) {
   });
 }
 
+void add_sample(CLI::App& program, Common& common) {
+  Command<SampleSettings> c(
+      program, "sample", "Tells how high a terrain is at places.",
+      "From the finest data, linear on the triangles of the original surface; only the pages that\n"
+      "lie there are read. Places are pairs LAT LON in degrees (WGS 84), or X Y with --xy.\n\n"
+      "Examples:\n  cuesta sample alps.cuesta 45.8326 6.8652\n"
+      "  cuesta sample alps.cuesta --xy --crs EPSG:32632 334000 5078000\n"
+      "  cuesta sample alps.cuesta --from summits.txt --json");
+  SampleSettings& s = *c.settings;
+  add_path(c.app, "FILE", s.file, "a .cuesta file that was built from heights")->required();
+  auto* points = c.app->add_option("LAT LON", s.points, "places, any number of them")->type_name("");
+  auto* from = add_path(c.app, "--from", s.from, "places, a pair a line; -: standard input");
+  auto* xy = c.app->add_flag("--xy", s.xy, "places are coordinates x and y of a projection");
+  c.app->add_option("--crs", s.crs, "with --xy: which projection, as EPSG:n; default: the file's own")
+      ->type_name("NAME")
+      ->needs(xy);
+  c.app->add_flag("--json", s.json, "as JSON with stable keys");
+  c.runs(common, run_sample);
+  c.app->parse_complete_callback([points, from] {
+    if (points->empty() && from->empty()) throw CLI::RequiredError("LAT LON, or --from FILE,");
+  });
+}
+
 void add_verify(CLI::App& program, Common& common) {
   Command<VerifySettings> c(
       program, "verify", "Checks a .cuesta file: bytes, structure, invariants.",
@@ -471,6 +495,7 @@ int run_command_line(int argc, char** argv) {
   add_view(program, common);
   add_flight(program, common);
   add_export(program, common);
+  add_sample(program, common);
   add_verify(program, common);
   add_measure(program, common);
   const auto is_named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
