@@ -19,10 +19,8 @@ std::array<Vec3d, 5> frustum(const View& view, double widen) {
           ahead * std::sin(y) + up * std::cos(y), ahead * std::sin(y) - up * std::cos(y), ahead};
 }
 
-bool outside(const std::array<Vec3d, 5>& planes, Vec3d to_centre, double radius) {
-  return std::any_of(planes.begin(), planes.end(),
-                     [&](const Vec3d& n) { return dot(n, to_centre) < -radius; });
-}
+/// How much longer than `exaggeration` a way may become on an ellipsoid.
+constexpr double curve_stretch = 1.01;
 
 }  // namespace
 
@@ -43,13 +41,34 @@ ErrorScale ErrorScale::perspective(const Grid& grid, const View& view, double ou
   return s;
 }
 
+ErrorScale ErrorScale::exaggerated(const Grid& grid, const Relief& relief) const {
+  ErrorScale s = *this;
+  if (relief.exaggeration == 1 || uniform_) return s;
+  s.relief_ = relief.in(grid);
+  s.eye_ = s.relief_->lowered(eye_);
+  s.unit_ = unit_ / std::max(relief.exaggeration, 1 / relief.exaggeration);
+  return s;
+}
+
+bool ErrorScale::outside(const std::array<Vec3d, 5>& planes, const Sphere& bound) const {
+  Vec3d centre = vec_cast<double>(bound.centre), eye = eye_;
+  double radius = bound.radius;
+  if (relief_) {
+    centre = relief_->raised(centre);
+    eye = relief_->raised(eye);
+    radius *= std::max(1.0, relief_->exaggeration) * (relief_->is_plane() ? 1 : curve_stretch);
+  }
+  return std::any_of(planes.begin(), planes.end(),
+                     [&](const Vec3d& n) { return dot(n, centre - eye) < -radius; });
+}
+
 double ErrorScale::page_factor(const Sphere& bound) const {
   if (uniform_ || outside_factor_ <= 1) return 1;
-  return outside(wide_, vec_cast<double>(bound.centre) - eye_, bound.radius) ? outside_factor_ : 1;
+  return outside(wide_, bound) ? outside_factor_ : 1;
 }
 
 bool ErrorScale::invisible(const Sphere& bound) const {
-  return !uniform_ && outside(sides_, vec_cast<double>(bound.centre) - eye_, bound.radius);
+  return !uniform_ && outside(sides_, bound);
 }
 
 double ErrorScale::near(const Sphere& s) const {

@@ -6,6 +6,7 @@
 
 #include "hierarchy/error_code.h"
 #include "ooc/grid.h"
+#include "runtime/relief.h"
 #include "runtime/view.h"
 
 namespace cuesta {
@@ -21,11 +22,19 @@ class ErrorScale {
 
   /// Uniform cuts: sse is the error itself, in world units.
   static ErrorScale uniform(const Grid& grid);
-  /// Perspective view. Pages wholly outside the view frustum, widened by `margin` times its half-angles, count
-  /// `outside_factor` times less; 1 makes the whole surface count. (By pages, whose bounds contain those of the
-  /// finer pages that lean on them: so a factor is monotone too, and the test of a substitution needs no planes.)
+  /// Perspective view. Pages wholly outside the view frustum, widened by `margin` times its half-angles,
+  /// count `outside_factor` times less; 1 makes the whole surface count. (By pages, whose bounds contain
+  /// those of the finer pages that lean on them: so a factor is monotone too, and the test of a substitution
+  /// needs no planes.)
   static ErrorScale perspective(const Grid& grid, const View& view, double outside_factor = 1,
                                 double margin = 0.15);
+
+  /// The same view of a surface whose heights are drawn exaggerated (relief.h). Errors grow by the factor F,
+  /// and the eye is brought to where the surface is as it is stored: a point there is no farther from it than
+  /// it is drawn, times F or 1 / F, whichever is larger. So no error is larger on the screen than told; seen
+  /// from high above, it is up to F times smaller. On an ellipsoid that holds within 1 % for heights up to 1
+  /// % of its radius over F.
+  ErrorScale exaggerated(const Grid& grid, const Relief& relief) const;
 
   /// Grid units per pixel (uniform: per world unit) at the sphere, times the factor of its page.
   double scale(const Sphere& s, double page_factor = 1) const {
@@ -56,9 +65,12 @@ class ErrorScale {
   bool uniform_ = true;
   double unit_ = 1;  // uniform: scale; perspective: 1 / pixels per unit at distance one
   double outside_factor_ = 1;
-  Vec3d eye_{};  // grid units
+  Vec3d eye_{};                   // grid units
+  std::optional<Relief> relief_;  // grid units; if heights are exaggerated
   // Inward unit normals of the sides of the frustum, widened and not, and of the plane through the eye.
   std::array<Vec3d, 5> wide_{}, sides_{};
+
+  bool outside(const std::array<Vec3d, 5>& planes, const Sphere& bound) const;
 };
 
 }  // namespace cuesta

@@ -100,7 +100,8 @@ void add_quiet(CLI::App* app, bool& quiet) {
   app->add_flag("--quiet", quiet, "no progress lines");
 }
 
-void add_camera_frame(CLI::App* app, View& view) {
+/// @param up_given  set if --up is among the words.
+void add_camera_frame(CLI::App* app, View& view, bool* up_given = nullptr) {
   add_parsed(
       app, "--size", "WxH", "picture size in pixels; default 1280x720",
       [&view](const std::string& text) { return parse_picture_size(text, view.width_px, view.height_px); });
@@ -110,8 +111,13 @@ void add_camera_frame(CLI::App* app, View& view) {
     view.fov_y_rad = degrees * std::numbers::pi / 180;
     return true;
   });
-  add_parsed(app, "--up", "AXIS", "which way is up: x, y, z or =-x, =-y, =-z; default y",
-             store(parse_axis, view.up));
+  add_parsed(app, "--up", "AXIS", "which way is up: x, y, z or =-x, =-y, =-z; default y; terrain: its own up",
+             [&view, up_given](const std::string& text) {
+               const auto up = parse_axis(text);
+               if (up) view.up = *up;
+               if (up_given) *up_given = up.has_value();
+               return up.has_value();
+             });
 }
 
 CLI::Option* add_camera(CLI::App* app, std::optional<CameraText>& camera) {
@@ -250,15 +256,27 @@ void add_render_budgets(CLI::App* app, Settings& s, const BudgetDefaults& defaul
       ->check(CLI::Range(1.0, 1e6));
 }
 
-void add_look(CLI::App* app, DrawOptions& draw) {
+void add_exaggerate(CLI::App* app, double& factor) {
+  app->add_option("--exaggerate", factor, "draw a terrain's heights F times as high; default 1")
+      ->type_name("F")
+      ->check(CLI::Range(0.01, 100.0));
+}
+
+template <class Settings>
+void add_look(CLI::App* app, Settings& s) {
+  DrawOptions& draw = s.draw;
+  const std::map<std::string, Shading> shadings{
+      {"lit", Shading::lit},         {"wireframe", Shading::wireframe}, {"normals", Shading::normals},
+      {"changes", Shading::changes}, {"pages", Shading::pages},         {"relief", Shading::relief}};
   add_parsed(app, "--shading", "HOW",
-             "lit, wireframe, normals, changes (coarse path grey, fine path dark) or pages; default lit",
-             one_of<Shading>({{"lit", Shading::lit},
-                              {"wireframe", Shading::wireframe},
-                              {"normals", Shading::normals},
-                              {"changes", Shading::changes},
-                              {"pages", Shading::pages}},
-                             draw.shading));
+             "lit, wireframe, normals, changes (coarse path grey, fine path dark), pages or relief\n"
+             "(colours of heights, or a draped image); default: relief for terrain, else lit",
+             [shadings, &s](const std::string& text) {
+               const auto at = shadings.find(text);
+               if (at != shadings.end()) s.shading = at->second;
+               return at != shadings.end();
+             });
+  add_exaggerate(app, s.exaggeration);
   app->add_flag("--page-borders", draw.page_borders, "red lines where pages meet");
   add_parsed(app, "--background", "COLOUR", "#rrggbb, white, black, grey or transparent; default white",
              store(parse_colour, draw.background));
@@ -291,9 +309,9 @@ void add_render(CLI::App& program, Common& common) {
   video->excludes(camera);
   camera->excludes(orbit)->excludes(flight);
   orbit->excludes(flight);
-  add_camera_frame(c.app, s.view);
+  add_camera_frame(c.app, s.view, &s.up_given);
   add_render_budgets(c.app, s, {"no limit", "no limit", "0", "0"});
-  add_look(c.app, s.draw);
+  add_look(c.app, s);
   add_parsed(c.app, "--context", "HOW",
              "egl (a GPU without a screen), osmesa (no GPU at all) or auto: egl where it works; default auto",
              one_of<OffscreenContext>({{"auto", OffscreenContext::automatic},
@@ -324,10 +342,10 @@ void add_view(CLI::App& program, Common& common) {
   ViewSettings& s = *c.settings;
   c.app->add_option("FILE", s.files, ".cuesta files")->type_name("");
   add_camera(c.app, s.camera);
-  add_camera_frame(c.app, s.view);
+  add_camera_frame(c.app, s.view, &s.up_given);
   c.app->add_flag("--full-screen", s.full_screen, "begin in full screen");
   add_render_budgets(c.app, s, {"4", "16M", "2", "250"});
-  add_look(c.app, s.draw);
+  add_look(c.app, s);
   add_path(c.app, "--flight", s.flight, "flight to play at the start (see cuesta flight)");
   c.app->add_option("--press", s.press, "keys to press at the start: names such as \"2 x f6\"")
       ->type_name("KEYS");
@@ -342,7 +360,10 @@ void add_flight(CLI::App& program, Common& common) {
       "The file is JSON: {\"fps\": 30, \"keyframes\": [{\"t\": 0, \"eye\": [x,y,z],\n"
       "\"target\": [x,y,z], \"up\": [x,y,z], \"fov_deg\": 60}, …]}; t in seconds. Eye and target\n"
       "move on Catmull–Rom splines through the keyframes.\n\n"
-      "Example:\n  cuesta flight bunny.cuesta --kind zoom-in --frames 120 -o zoom.json");
+      "Terrain has its own up, and fly-over follows its ground, at a height above it, along a route;\n"
+      "without one, along the longer side of its bounds.\n\n"
+      "Examples:\n  cuesta flight bunny.cuesta --kind zoom-in --frames 120 -o zoom.json\n"
+      "  cuesta flight alps.cuesta --kind fly-over --route 46.0 7.6 46.5 8.0 --height 800 -o alps.json");
   FlightSettings& s = *c.settings;
   add_path(c.app, "FILE", s.file, "a .cuesta file")->required();
   add_path(c.app, "-o,--output", s.output, "flight file to write")->required();
@@ -360,7 +381,15 @@ void add_flight(CLI::App& program, Common& common) {
   c.app->add_option("--fps", s.fps, "frames per second; default 30")
       ->type_name("F")
       ->check(CLI::Range(1.0, 1000.0));
-  add_camera_frame(c.app, s.view);
+  add_camera_frame(c.app, s.view, &s.up_given);
+  c.app->add_option("--route", s.route, "of a terrain, for fly-over: places LAT LON, two or more")
+      ->type_name("…");
+  c.app
+      ->add_option("--height", s.above_ground_m,
+                   "above ground, for fly-over; default: 2 % of the route's length")
+      ->type_name("METRES")
+      ->check(CLI::PositiveNumber);
+  add_exaggerate(c.app, s.exaggeration);
   c.runs(common, run_flight);
 }
 

@@ -5,6 +5,9 @@
 #include <algorithm>
 
 #include "apps/cuesta/open_cut.h"
+#include "apps/cuesta/terrain_settings.h"
+#include "apps/sample/point_list.h"
+#include "apps/terrain_view/ground_flight.h"
 #include "runtime/flight_file.h"
 #include "runtime/view_fit.h"
 
@@ -24,16 +27,45 @@ Vec3d surface_point(std::span<const Vec3d> points, Vec3d direction) {
                            [&](const Vec3d& a, const Vec3d& b) { return score(a) < score(b); });
 }
 
+Result<Flight> flight_over_ground(const FlightSettings& s, const terrain_view::TerrainLook& look) {
+  const auto pairs = sample::pairs_of_words(s.route);
+  if (!pairs) return fail(pairs.error());
+  terrain_view::GroundRoute route{{}, s.above_ground_m};
+  for (const sample::NumberPair pair : *pairs) {
+    const auto place = sample::place_of(pair);
+    if (!place) return fail(place.error());
+    route.places.push_back(*place);
+  }
+  auto terrain = sample::HeightSampler::open(s.file);
+  if (!terrain) return fail(terrain.error());
+  return terrain_view::ground_flight(**terrain, look, route, s.view, s.frames, s.fps);
+}
+
+Result<Flight> flight_around(const FlightSettings& s, Cut& cut,
+                             const std::optional<terrain_view::TerrainLook>& look) {
+  auto points = sketch_points(cut);
+  const View view = orbit_view(points, s.view, s.up_given, look);
+  if (look)
+    for (Vec3d& p : points) p = look->relief.raised(p);
+  const Vec3d surface = surface_point(points, three_quarter_direction(view.up));
+  return make_flight(s.kind, {points, surface}, view, s.frames, s.fps);
+}
+
 }  // namespace
 
 Result<void> run_flight(const FlightSettings& s) {
   auto cut = open_cut(s.file, 0);
   if (!cut) return fail(cut.error());
-  const auto points = sketch_points(**cut);
-  const Vec3d surface = surface_point(points, three_quarter_direction(s.view.up));
-  const Flight flight = make_flight(s.kind, {points, surface}, s.view, s.frames, s.fps);
-  if (auto r = write_flight(s.output, flight); !r) return r;
-  fmt::print("{}: {} keyframes, {} frames at {:g} fps\n", s.output.string(), flight.keyframes.size(),
+  const auto look = look_of((*cut)->directory(), s.file, {}, s.exaggeration);
+  if (!look) return fail(look.error());
+  const bool over_ground = *look && s.kind == FlightKind::fly_over && !s.up_given;
+  if (!over_ground && (!s.route.empty() || s.above_ground_m > 0))
+    return fail(ErrorCode::invalid_input, s.file.string(), "--route, --height",
+                "are for --kind fly-over of terrain, without --up");
+  const auto flight = over_ground ? flight_over_ground(s, **look) : flight_around(s, **cut, *look);
+  if (!flight) return fail(flight.error());
+  if (auto r = write_flight(s.output, *flight); !r) return r;
+  fmt::print("{}: {} keyframes, {} frames at {:g} fps\n", s.output.string(), flight->keyframes.size(),
              s.frames, s.fps);
   return {};
 }

@@ -6,6 +6,7 @@
 #include "apps/cuesta/machine.h"
 #include "apps/cuesta/open_cut.h"
 #include "apps/cuesta/stop_signal.h"
+#include "apps/cuesta/terrain_settings.h"
 #include "apps/cuesta/video_file.h"
 #include "runtime/draw/png_file.h"
 #include "runtime/flight_file.h"
@@ -21,9 +22,11 @@ class Pictures {
     auto ahead_ms = std::make_shared<double>(0);
     auto cut = open_cut(s.file, s.cache_bytes, s.load_threads, [ahead_ms] { return clock_ms() + *ahead_ms; });
     if (!cut) return fail(cut.error());
+    auto look = look_of((*cut)->directory(), s.file, s.shading, s.exaggeration);
+    if (!look) return fail(look.error());
     (*cut)->set_visual_error({s.visual_factor, {}});
-    (*cut)->set_tagging(s.draw.shading == Shading::changes);
-    Pictures pictures(s, std::move(*cut));
+    Pictures pictures(s, std::move(*cut), std::move(*look));
+    pictures.cut_->set_tagging(pictures.draw_.shading == Shading::changes);
     pictures.ahead_ms_ = std::move(ahead_ms);
     if (s.stats_only) return pictures;
     auto context = make_offscreen_context(s.context);
@@ -36,13 +39,16 @@ class Pictures {
   }
 
   std::vector<Vec3d> sketch() { return sketch_points(*cut_); }
+  const std::optional<terrain_view::TerrainLook>& look() const { return look_; }
 
   /// It is `time_s` now, for what takes time: blends last as long in the pictures however long those take.
   void set_time(double time_s) { *ahead_ms_ = time_s * 1000 - clock_ms(); }
 
   /// Adapts to `view`: at once, or as far as one frame's budgets go.
   Result<AdaptReport> adapt(const View& view, bool settle, Progress& progress) {
-    const auto scale = ErrorScale::perspective(cut_->directory().grid, view, s_.outside_factor);
+    const Grid& grid = cut_->directory().grid;
+    auto scale = ErrorScale::perspective(grid, view, s_.outside_factor);
+    if (draw_.relief) scale = scale.exaggerated(grid, *draw_.relief);
     cut_->set_geomorph_ms(settle ? 0 : s_.geomorph_ms);
     if (!settle) {
       AdaptReport report = cut_->adapt(scale, s_.tau_px, s_.budgets);
@@ -63,7 +69,7 @@ class Pictures {
   Result<Drawn> draw(const View& view) {
     if (!renderer_) return Drawn{};
     const double start = clock_ms();
-    if (auto r = renderer_->draw(cut_->draw_list(), view, s_.draw); !r) return fail(r.error());
+    if (auto r = renderer_->draw(cut_->draw_list(), view, draw_); !r) return fail(r.error());
     auto picture = renderer_->read();
     if (!picture) return fail(picture.error());
     return Drawn{std::move(*picture), clock_ms() - start};
@@ -72,20 +78,24 @@ class Pictures {
   const PageCache& cache() const { return cut_->cache(); }
 
  private:
-  Pictures(const RenderSettings& s, std::unique_ptr<Cut> cut) : s_(s), cut_(std::move(cut)) {}
+  Pictures(const RenderSettings& s, std::unique_ptr<Cut> cut, std::optional<terrain_view::TerrainLook> look)
+      : s_(s), draw_(s.draw), cut_(std::move(cut)), look_(std::move(look)) {
+    draw_.shading = shading_of(s.shading, look_);
+    if (look_) terrain_view::set_look(*look_, draw_);
+  }
   const RenderSettings& s_;
+  DrawOptions draw_;
   std::unique_ptr<Cut> cut_;
+  std::optional<terrain_view::TerrainLook> look_;  ///< of terrain
   std::unique_ptr<Renderer> renderer_;
   std::shared_ptr<double> ahead_ms_;  ///< of the clock that the cut has
 };
 
 View still_view(const RenderSettings& s, Pictures& pictures) {
-  if (!s.camera) return fit_view(pictures.sketch(), three_quarter_direction(s.view.up), s.view);
-  View view = s.view;
-  view.eye = s.camera->eye;
-  view.target = s.camera->target;
-  view.up = s.camera->up.value_or(view.up);
-  return view;
+  if (s.camera) return camera_view(*s.camera, s.view, s.up_given, pictures.look());
+  if (pictures.look() && !s.up_given)
+    return terrain_view::first_view(*pictures.look(), pictures.sketch(), s.view);
+  return fit_view(pictures.sketch(), three_quarter_direction(s.view.up), s.view);
 }
 
 Result<void> render_still(const RenderSettings& s, Pictures& pictures, Progress& progress) {
@@ -108,8 +118,11 @@ Result<void> render_still(const RenderSettings& s, Pictures& pictures, Progress&
 
 Result<Flight> chosen_flight(const RenderSettings& s, Pictures& pictures) {
   if (!s.flight.empty()) return read_flight(s.flight);
-  const auto points = pictures.sketch();
-  return make_flight(FlightKind::orbit, {points, points.front()}, s.view, s.orbit_frames + 1);
+  auto points = pictures.sketch();
+  const View view = orbit_view(points, s.view, s.up_given, pictures.look());
+  if (pictures.look())
+    for (Vec3d& p : points) p = pictures.look()->relief.raised(p);
+  return make_flight(FlightKind::orbit, {points, points.front()}, view, s.orbit_frames + 1);
 }
 
 Result<void> make_folder(const std::filesystem::path& folder) {

@@ -19,6 +19,7 @@ struct RenderSettings {
   std::filesystem::path flight;
   std::filesystem::path video;  ///< .mp4 or .webm of a flight; then PNGs only if there is an output, too
   View view;                    ///< picture size, angle, up
+  bool up_given = false;        ///< else a terrain's up is its own
   double tau_px = 1;
   double visual_factor = 1;   ///< how much coarser what faces the eye may be
   double outside_factor = 4;  ///< how much coarser what is outside the picture may be
@@ -31,6 +32,8 @@ struct RenderSettings {
   bool stats_only = false;
   OffscreenContext context = OffscreenContext::automatic;
   DrawOptions draw;
+  std::optional<Shading> shading;  ///< none: relief for terrain, lit for the rest
+  double exaggeration = 1;         ///< of a terrain's heights
   bool quiet = false;
 };
 

@@ -16,6 +16,7 @@ namespace cuesta::app {
 struct ViewSettings {
   std::vector<std::filesystem::path> files;  ///< more can be dropped on the window
   View view;                                 ///< size of the window, angle, up
+  bool up_given = false;                     ///< else a terrain's up is its own
   std::optional<CameraText> camera;
   double tau_px = 1;
   double visual_factor = 1;
@@ -25,6 +26,8 @@ struct ViewSettings {
   std::uint64_t cache_bytes = 1ull << 30;  ///< of all files together
   std::uint32_t load_threads = 2;          ///< of each file; 0: frames wait for pages
   DrawOptions draw;
+  std::optional<Shading> shading;  ///< none: relief for terrain, lit for the rest
+  double exaggeration = 1;         ///< of a terrain's heights
   bool full_screen = false;
   std::filesystem::path flight;      ///< played at the start
   std::string press;                 ///< names of keys, pressed one a frame at the start

@@ -11,6 +11,7 @@
 #include "runtime/draw/gl_program.h"
 #include "runtime/draw/gpu_object.h"
 #include "runtime/draw/page_borders.h"
+#include "runtime/draw/relief_uniforms.h"
 #include "runtime/draw/surface_shaders.h"
 #include "runtime/draw/text_painter.h"
 
@@ -18,7 +19,7 @@ namespace cuesta {
 namespace {
 
 constexpr int antialias_samples = 4;
-constexpr std::size_t shading_count = 5;
+constexpr std::size_t shading_count = 6;
 
 float linear_from_srgb(std::uint8_t value) {
   const double c = value / 255.0;
@@ -55,6 +56,7 @@ class GlRenderer final : public Renderer {
   void upload(std::span<const DrawList> lists);
   void set_state(const DrawOptions& options);
   void set_uniforms(const GlProgram& program, const CameraMatrices& camera, const DrawOptions& options);
+  void set_relief(const GlProgram& program, const Grid& grid, const View& view, const DrawOptions& options);
   void draw_objects(std::span<const DrawList> lists, const View& view, const DrawOptions& options);
   void draw_page_numbers(std::span<const DrawList> lists, const View& view, const DrawOptions& options);
 
@@ -118,6 +120,23 @@ void GlRenderer::set_uniforms(const GlProgram& program, const CameraMatrices& ca
   gl_.Uniform3f(program.uniform("fill_direction"), fill.x, fill.y, fill.z);
 }
 
+void GlRenderer::set_relief(const GlProgram& program, const Grid& grid, const View& view,
+                            const DrawOptions& options) {
+  const HeightColours& h = options.heights;
+  const Relief relief = options.relief.value_or(Relief{}).in(grid);
+  const double shore = std::min(grid.step, h.most / 2);  // vertices of a flat sea are on the grid, too
+  const auto number = [&](const char* name, double value) {
+    gl_.Uniform1f(program.uniform(name), static_cast<float>(value));
+  };
+  cuesta::set_uniforms(gl_, program, relief_uniforms(relief, (view.eye - grid.origin) / grid.step));
+  number("unit", grid.step);
+  number("shore", std::max(shore, 0.0));
+  number("sea_floor", std::min(h.least, 0.0));
+  number("land_least", std::max(h.least, 0.0));
+  number("land_most", std::max({h.most, h.least + 1, 1.0}));
+  gl_.Uniform1i(program.uniform("vertex_colours"), h.vertex_colours ? 1 : 0);
+}
+
 /// Depths of objects with different grids must compare: their near planes are at one place of the world.
 CameraMatrices camera_of(std::span<const DrawList> lists, std::size_t object, const View& view) {
   double finest = lists[object].grid.step;
@@ -140,6 +159,7 @@ void GlRenderer::draw_objects(std::span<const DrawList> lists, const View& view,
   const GlProgram& program = *programs_[static_cast<std::size_t>(options.shading)];
   for (std::size_t i = 0; i < lists.size(); ++i) {
     set_uniforms(program, camera_of(lists, i, view), options);
+    set_relief(program, lists[i].grid, view, options);
     if (options.shading == Shading::pages) {
       objects_[i]->draw_pages(lists[i], program.uniform("page"), 0);
     } else if (options.shading == Shading::changes) {
@@ -156,6 +176,7 @@ void GlRenderer::draw_page_numbers(std::span<const DrawList> lists, const View& 
   constexpr GLint pages_of_an_object = 1 << 22;  // numbers of objects that share one would only hide a line
   for (std::size_t i = 0; i < lists.size(); ++i) {
     set_uniforms(borders_.numbers(), camera_of(lists, i, view), options);
+    set_relief(borders_.numbers(), lists[i].grid, view, options);
     objects_[i]->draw_pages(lists[i], borders_.numbers().uniform("page"),
                             static_cast<GLint>(i % 256) * pages_of_an_object);
   }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -11,6 +12,7 @@
 #include "runtime/draw/picture.h"
 #include "runtime/draw/text_overlay.h"
 #include "runtime/draw_list.h"
+#include "runtime/relief.h"
 #include "runtime/view.h"
 
 namespace cuesta {
@@ -21,6 +23,15 @@ enum class Shading : std::uint8_t {
   normals,    ///< rgb = (n + 1) / 2 · 255, n in the camera's frame (right, up, back)
   changes,    ///< lit, by DrawList::triangle_tags: unchanged light, the coarse path grey, the fine path dark
   pages,      ///< lit, a colour for each page
+  relief,     ///< DrawOptions::relief: lit from the north-west of each place, coloured by height
+};
+
+/// Colours of heights for Shading::relief: blue at and below 0, then green, ochre and brown to rock and snow.
+/// In world units: the ramp runs from `least` (or 0, if that is higher) to `most`, the sea's from 0 to
+/// `least`.
+struct HeightColours {
+  double least = 0, most = 0;
+  bool vertex_colours = false;  ///< the vertices' colours instead, as of a draped image
 };
 
 struct DrawOptions {
@@ -34,6 +45,9 @@ struct DrawOptions {
       false;              ///< off: back faces are drawn in a muted blue, so that holes and inversions show
   bool antialias = true;  ///< 4 samples per pixel where the driver has them
   bool page_borders = false;  ///< red lines where pixels of different pages meet
+  /// Up and heights of terrain; in all shadings heights are drawn exaggerated by it. Holds for all objects.
+  std::optional<Relief> relief = {};
+  HeightColours heights = {};
 };
 
 /// What the last draw() sent to the GPU.

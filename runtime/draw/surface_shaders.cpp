@@ -21,6 +21,39 @@ out Surface {
   vec3 colour;    // linear
 } surface;
 
+uniform int relief_kind;  // relief_uniforms.h
+uniform mat3 relief_to_radii;
+uniform vec3 relief_eye;
+uniform vec3 relief_up;
+uniform vec3 relief_north;
+uniform float relief_excess;
+uniform float relief_eye_height;
+uniform float exaggeration;
+#ifdef RELIEF
+uniform float unit;  // world units per grid unit
+
+out Place {
+  vec3 up;    // camera frame
+  vec3 north;
+  float height;  // world units
+} place;
+#endif
+
+/// Up and height, grid units, of a point at d from the eye (Relief::height).
+vec3 relief_at(vec3 d, out float height) {
+  if (relief_kind == 1) {
+    height = relief_eye_height + dot(relief_up, d);
+    return relief_up;
+  }
+  vec3 s = relief_to_radii * d;
+  float excess = relief_excess + 2.0 * dot(relief_eye, s) + dot(s, s);
+  float size = sqrt(max(1.0 + excess, 0.0));
+  vec3 slope = (relief_eye + s) * relief_to_radii;
+  float steepness = max(length(slope), 1e-30);
+  height = excess / (1.0 + size) * size / steepness;
+  return slope / steepness;
+}
+
 vec3 decode_normal(ivec2 code) {
   if (code == ivec2(-32768)) return vec3(0.0);
   vec2 uv = vec2(code) / 32767.0;
@@ -34,8 +67,19 @@ vec3 linear_from_srgb(vec3 c) {
 }
 
 void main() {
-  surface.position = rotation * (vec3(position - eye_whole) - eye_part);
-  surface.normal = rotation * decode_normal(normal_code);
+  vec3 from_eye = vec3(position - eye_whole) - eye_part;
+  vec3 normal = decode_normal(normal_code);
+  float height;
+  vec3 up = relief_at(from_eye, height);
+  from_eye += up * ((exaggeration - 1.0) * height);
+  normal += up * ((1.0 / exaggeration - 1.0) * dot(up, normal));
+#ifdef RELIEF
+  place.up = rotation * up;
+  place.north = rotation * (relief_kind == 1 ? relief_north : relief_north - up * dot(relief_north, up));
+  place.height = height * unit;
+#endif
+  surface.position = rotation * from_eye;
+  surface.normal = rotation * normal;
   surface.colour = linear_from_srgb(colour.rgb) * surface_colour;
   float distance = -surface.position.z;
 #ifdef FRAGMENT_DEPTH
@@ -89,6 +133,19 @@ uniform float near_units;
 uniform vec3 key_direction;   // camera frame, unit, towards the light
 uniform vec3 fill_direction;
 
+#ifdef RELIEF
+in Place {
+  vec3 up;
+  vec3 north;
+  float height;
+} place;
+
+uniform float shore;       // world units: up to it, it is sea
+uniform float sea_floor;   // <= 0
+uniform float land_least;
+uniform float land_most;
+uniform int vertex_colours;
+#endif
 #ifdef PAGES
 uniform int page;
 #endif
@@ -115,6 +172,41 @@ vec3 change_colour() {
   int triangle = first_triangle + gl_PrimitiveID;
   uint tag = triangle < tag_count ? texelFetch(triangle_tags, triangle).r : 0u;
   return shades[min(tag, 2u)];
+}
+#endif
+
+#ifdef RELIEF
+const int land_count = 8;
+const float land_at[land_count] = float[](0.0, 0.10, 0.24, 0.40, 0.56, 0.72, 0.86, 1.0);
+const vec3 land[land_count] = vec3[](  // linear
+    vec3(0.120, 0.230, 0.090), vec3(0.195, 0.315, 0.125), vec3(0.430, 0.450, 0.205), vec3(0.480, 0.345, 0.150),
+    vec3(0.325, 0.200, 0.105), vec3(0.300, 0.255, 0.225), vec3(0.660, 0.660, 0.680), vec3(0.920, 0.935, 0.960));
+const vec3 shallow_water = vec3(0.270, 0.500, 0.640);
+const vec3 middle_water = vec3(0.070, 0.235, 0.450);
+const vec3 deep_water = vec3(0.012, 0.060, 0.190);
+
+vec3 height_colour(float height) {
+  if (height <= shore) {
+    float depth = sqrt(clamp(height / min(sea_floor, -1.0), 0.0, 1.0));  // shelves show
+    return depth < 0.5 ? mix(shallow_water, middle_water, 2.0 * depth)
+                       : mix(middle_water, deep_water, 2.0 * depth - 1.0);
+  }
+  float t = clamp((height - land_least) / (land_most - land_least), 0.0, 1.0);
+  vec3 colour = land[0];
+  for (int i = 1; i < land_count; ++i)
+    colour = mix(colour, land[i], clamp((t - land_at[i - 1]) / (land_at[i] - land_at[i - 1]), 0.0, 1.0));
+  return colour;
+}
+
+/// Lit from the north-west, 40 degrees high, wherever it is seen from; level ground keeps its colour.
+vec3 hill_shaded(vec3 n, vec3 colour) {
+  const float level = 0.6428;  // sine of the light's height
+  vec3 up = normalize(place.up);
+  vec3 north = place.north / max(length(place.north), 1e-6);
+  vec3 light = up * level + (north - cross(north, up)) * (0.7071 * 0.7660);
+  float key = max(dot(n, light), 0.0) / level;
+  float sky = 0.5 + 0.5 * dot(n, up);
+  return colour * (0.80 * key * vec3(1.02, 1.0, 0.95) + 0.20 * sky * vec3(0.90, 1.0, 1.22));
 }
 #endif
 
@@ -172,6 +264,8 @@ void main() {
   vec3 own_colour = page_colour();
 #elif defined(CHANGES)
   vec3 own_colour = change_colour();
+#elif defined(RELIEF)
+  vec3 own_colour = vertex_colours != 0 ? surface.colour : height_colour(place.height);
 #else
   vec3 own_colour = surface.colour;
 #endif
@@ -179,6 +273,8 @@ void main() {
 #ifdef NORMALS
   vec3 coded = 0.5 + 0.5 * n;  // the target encodes sRGB: undo it, so that the stored bytes are the normal
   vec3 shade = mix(coded / 12.92, pow((coded + 0.055) / 1.055, vec3(2.4)), greaterThan(coded, vec3(0.04045)));
+#elif defined(RELIEF)
+  vec3 shade = hill_shaded(n, colour);
 #else
   vec3 shade = lit(n, colour);
 #endif
@@ -229,6 +325,7 @@ ShaderSources surface_shaders(Shading shading, bool fragment_depth) {
   if (shading == Shading::wireframe) head += "#define WIREFRAME\n";
   if (shading == Shading::changes) head += "#define CHANGES\n";
   if (shading == Shading::pages) head += "#define PAGES\n";
+  if (shading == Shading::relief) head += "#define RELIEF\n";
   ShaderSources sources{head + vertex_text, "", head + fragment_text};
   if (shading == Shading::wireframe) sources.geometry = head + wireframe_geometry_text;
   return sources;
