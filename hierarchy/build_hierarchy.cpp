@@ -364,6 +364,7 @@ class HierarchyBuilder {
     directory_.has_normals = surface_.attributes.normals;
     directory_.has_colours = surface_.attributes.colours;
     directory_.has_texcoords = surface_.attributes.texcoords;
+    directory_.vertical = surface_.vertical;
     directory_.metadata = options_.metadata;
     const auto bytes = encode_directory(directory_);
     if (auto r = writer_->finish(bytes); !r) return r;

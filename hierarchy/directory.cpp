@@ -78,6 +78,20 @@ bool get_page_entry(ByteReader& r, std::uint64_t page_count, PageEntry& e) {
   return r.ok() && e.owned_triangles <= e.triangles && e.owned_vertices <= e.vertices;
 }
 
+void put_vertical(ByteWriter& w, const Vertical& v) {
+  for (double x : {v.axis.x, v.axis.y, v.axis.z}) w.put(x);
+  w.put(static_cast<std::uint8_t>(v.is_plane));
+  for (double x : {v.centre.x, v.centre.y, v.centre.z, v.stretch}) w.put(x);
+}
+
+bool get_vertical(ByteReader& r, Vertical& v) {
+  for (double* x : {&v.axis.x, &v.axis.y, &v.axis.z}) *x = r.get<double>();
+  v.is_plane = r.get<std::uint8_t>() != 0;
+  for (double* x : {&v.centre.x, &v.centre.y, &v.centre.z, &v.stretch}) *x = r.get<double>();
+  const double sum = length(v.axis) + length(v.centre) + v.stretch;
+  return r.ok() && std::isfinite(sum) && std::abs(length(v.axis) - 1) < 1e-6;
+}
+
 std::vector<std::byte> encode_directory(const Directory& d) {
   ByteWriter w;
   for (double v : {d.grid.origin.x, d.grid.origin.y, d.grid.origin.z, d.grid.step}) w.put(v);
@@ -85,7 +99,9 @@ std::vector<std::byte> encode_directory(const Directory& d) {
     for (int i = 0; i < 3; ++i) w.put(v[i]);
   w.put(d.vertices);
   w.put(d.triangles);
-  w.put(static_cast<std::uint8_t>(d.has_normals | d.has_colours << 1 | d.has_texcoords << 2));
+  w.put(static_cast<std::uint8_t>(d.has_normals | d.has_colours << 1 | d.has_texcoords << 2 |
+                                  d.vertical.has_value() << 3));
+  if (d.vertical) put_vertical(w, *d.vertical);
   w.put_varint(d.metadata.size());
   w.put_bytes(std::as_bytes(std::span(d.metadata)));
   w.put_varint(d.pages.size());
@@ -123,6 +139,7 @@ Result<Directory> decode_directory(std::span<const std::byte> bytes) {
   d.has_normals = flags & 1;
   d.has_colours = flags & 2;
   d.has_texcoords = flags & 4;
+  if (flags & 8 && !get_vertical(r, d.vertical.emplace())) return corrupt("the vertical is none");
   const auto text = r.get_bytes(r.get_varint());
   d.metadata.assign(reinterpret_cast<const char*>(text.data()), text.size());
   const std::uint64_t count = r.get_varint();

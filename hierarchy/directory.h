@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "ooc/container_file.h"
 #include "ooc/grid.h"
 #include "ooc/result.h"
+#include "ooc/vertical.h"
 
 namespace cuesta {
 
@@ -36,8 +38,9 @@ struct Directory {
   std::uint64_t vertices = 0;  ///< of the full-resolution surface
   std::uint64_t triangles = 0;
   bool has_normals = false, has_colours = false, has_texcoords = false;
-  std::vector<PageEntry> pages;  ///< finer before coarser; the last one is the base page
-  std::string metadata;          ///< JSON object: inputs, options, counted warnings, program version
+  std::optional<Vertical> vertical;  ///< grid units, of a field of heights: its errors are along it
+  std::vector<PageEntry> pages;      ///< finer before coarser; the last one is the base page
+  std::string metadata;              ///< JSON object: inputs, options, counted warnings, program version
 
   PageId base() const { return static_cast<PageId>(pages.size() - 1); }
 };

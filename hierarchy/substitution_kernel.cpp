@@ -13,6 +13,8 @@ namespace {
 
 /// A triangle may turn by at most acos(0.2) ≈ 78° in one substitution.
 constexpr float least_cosine = 0.2f;
+/// A triangle of a field of heights is no narrower, seen from above, in grid steps.
+constexpr double least_width = 2;
 /// Weight of the plane that stands on a border edge, against the area weights of the surface's own planes.
 constexpr float border_weight = 2.0f;
 
@@ -140,7 +142,9 @@ void SubstitutionKernel::build_quadrics() {
     const float twice_area = length(n);
     if (!(twice_area > 0)) continue;
     const Vec3f unit = n / twice_area;
-    for (int i = 0; i < 3; ++i) movers_[t[i]].quadric.add_plane(unit, twice_area);
+    const float upright = vertical_ ? dot(unit, vertical_->up(a)) : 1.0f;
+    if (upright > least_uprightness)  // of heights: vertical distance, and the area seen from above
+      for (int i = 0; i < 3; ++i) movers_[t[i]].quadric.add_plane(unit / upright, twice_area * upright);
     for (int i = 0; i < 3; ++i) {
       const PointId p = t[i], q = t[(i + 1) % 3];
       if (!border(p) || !border(q)) continue;
@@ -152,8 +156,13 @@ void SubstitutionKernel::build_quadrics() {
   }
   for (PointId p = 0; p < point_count(); ++p) {
     movers_[p].position = position_[p];
-    movers_[p].root_weight = std::sqrt(movers_[p].quadric.weight);
+    set_divisor(p);
   }
+}
+
+void SubstitutionKernel::set_divisor(PointId p) {
+  const float weight = movers_[p].quadric.weight;
+  movers_[p].divisor = vertical_ ? weight : std::sqrt(weight);
 }
 
 void SubstitutionKernel::adopt_samples(const TriangleSamples& samples) {
@@ -347,14 +356,17 @@ bool SubstitutionKernel::keeps_orientation(PointId u, PointId v) const {
   return true;
 }
 
-/// Seen from above, no triangle of a field of heights turns over or is seen from its edge.
+/// Seen from above, no triangle of a field of heights turns over, is seen from its edge, or becomes a needle
+/// that only the grid makes: postings in a line are so to within a step.
 bool SubstitutionKernel::stays_upright(PointId u, PointId v) const {
   const Vec3d pv = vec_cast<double>(position_[v]);
   for (TriangleId t : star(u)) {
     if (has_corner(t, v)) continue;
     const PointId a = next_corner(t, u), b = previous_corner(t, u);
-    const Vec3d normal = cross(vec_cast<double>(position_[a]) - pv, vec_cast<double>(position_[b]) - pv);
-    const double least = double{least_uprightness} * length(normal);
+    const Vec3d pa = vec_cast<double>(position_[a]) - pv, pb = vec_cast<double>(position_[b]) - pv;
+    const Vec3d normal = cross(pa, pb);
+    const double longest = std::sqrt(std::max({dot(pa, pa), dot(pb, pb), dot(pb - pa, pb - pa)}));
+    const double least = std::max(double{least_uprightness} * length(normal), least_width * longest);
     for (PointId p : {v, a, b})
       if (!(dot(normal, vec_cast<double>(vertical_->up(position_[p]))) > least)) return false;
   }
@@ -588,7 +600,7 @@ void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vect
   star_size_[u] = 0;
   flags_[u] |= flag_removed;
   movers_[v].quadric.add(movers_[u].quadric, position_[u] - position_[v]);
-  movers_[v].root_weight = std::sqrt(movers_[v].quadric.weight);
+  set_divisor(v);
   redistribute_samples();
   if (closed_hole_ > 0) {
     update_border(v);

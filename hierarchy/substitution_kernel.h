@@ -40,12 +40,15 @@ class SubstitutionKernel {
   /// Distinct neighbours of p, valid until the next call.
   std::span<const PointId> neighbours(PointId p);
 
+  bool is_field_of_heights() const { return vertical_.has_value(); }
+
   /// Quadric cost of u → v: area-weighted squared distance to the planes u stands for, over the root of the
   /// area. (Measured on the bunny at 1 % of the triangles: undivided +2 % mean error; divided by the area,
-  /// the mean squared distance, equal here and +3 % at 0.5 %.) Unit: grid units to the third power.
+  /// the mean squared distance, equal here and +3 % at 0.5 %.) Unit: grid units to the third power. Of a
+  /// field of heights the mean squared vertical distance, seen from above: square grid units.
   float cost(PointId u, PointId v) const {
     const Mover& m = movers_[u];
-    return m.quadric.at(position_[v] - m.position) / m.root_weight;
+    return m.quadric.at(position_[v] - m.position) / m.divisor;
   }
   /// True if u → v needs no look at geometry to be refused: u is on a border and v is not, say.
   bool may_join(PointId u, PointId v) const { return loose_topology_ || !(border(u) && !border(v)); }
@@ -70,6 +73,12 @@ class SubstitutionKernel {
   float measure(PointId u, PointId v);
   /// Whether samples have been left out, so that measure() is an estimate.
   bool has_chosen_samples() const { return chosen_; }
+  /// Largest birth error of the triangles around u.
+  float birth_error_around(PointId u) const {
+    float error = 0;
+    for (TriangleId t : star(u)) error = std::max(error, births_[t].error);
+    return error;
+  }
   /// Largest birth error of the triangles that what was measured last depends on.
   float birth_error() const;
   /// Applies u → v as measured last; appends the wedge substitutions with this error to `children`, the balls
@@ -105,7 +114,7 @@ class SubstitutionKernel {
   /// What the cost of moving a point needs of it: one cache line.
   struct alignas(64) Mover {
     Quadric quadric;
-    float root_weight = 0;
+    float divisor = 0;  ///< of the quadric's value
     Vec3f position;
   };
 
@@ -134,6 +143,7 @@ class SubstitutionKernel {
   void find_components(std::uint64_t rings);
   std::span<const PointId> walked_neighbours(PointId p);
   void build_quadrics();
+  void set_divisor(PointId p);
   void adopt_samples(const TriangleSamples& samples);
   bool link_condition(PointId u, PointId v);
   bool loosely_legal(PointId u, PointId v);

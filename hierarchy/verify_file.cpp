@@ -60,7 +60,7 @@ class FileCheck {
       return;
     }
     const PageEntry& entry = file_.directory().pages[id];
-    ReplayedSurvivors survivors = verify_script(id, page, known->positions, std::move(births), report_);
+    ReplayedSurvivors survivors = verify_script(id, page, known->positions, std::move(births), file_.directory().vertical, report_);
     check_entry(id, entry, page, known->positions, survivors, report_);
     if (!page.base)
       waiting_[id] = claimable(std::move(survivors), static_cast<std::uint32_t>(entry.coarser.size()));

@@ -18,11 +18,12 @@ std::string arrow(const Child& c) {
 class ScriptCheck {
  public:
   ScriptCheck(PageId id, const Page& page, std::span<const Vec3i> positions, std::vector<Birth> births,
-              VerifyReport& report)
+              const std::optional<Vertical>& vertical, VerifyReport& report)
       : id_(id),
         page_(page),
         positions_(positions),
         births_(std::move(births)),
+        vertical_(vertical),
         report_(report),
         mesh_(page, positions) {}
 
@@ -183,7 +184,14 @@ class ScriptCheck {
   }
 
   void check_turn(std::span<const Child> run, std::uint32_t t) {
-    const Vec3d before = mesh_.normal(mesh_.corners(t)), after = mesh_.normal(mesh_.substituted(t, run));
+    const auto now = mesh_.substituted(t, run);
+    const Vec3d before = mesh_.normal(mesh_.corners(t)), after = mesh_.normal(now);
+    if (vertical_) {
+      for (std::uint32_t w : now)
+        if (!(dot(after, vertical_->direction(mesh_.position(w))) > 0))
+          return illegal(run[0], " turns triangle " + std::to_string(t) + " over, seen from above");
+      return;
+    }
     const double scale = length(before) * length(after);
     const double cosine = scale > 0 ? dot(before, after) / scale : -1;
     report_.least_cosine = std::min(report_.least_cosine, cosine);
@@ -243,6 +251,7 @@ class ScriptCheck {
   const Page& page_;
   std::span<const Vec3i> positions_;
   std::vector<Birth> births_;
+  const std::optional<Vertical>& vertical_;
   VerifyReport& report_;
   ReplayMesh mesh_;
   Sphere sphere_;
@@ -255,8 +264,9 @@ class ScriptCheck {
 }  // namespace
 
 ReplayedSurvivors verify_script(PageId id, const Page& page, std::span<const Vec3i> positions,
-                            std::vector<Birth> births, VerifyReport& report) {
-  return ScriptCheck(id, page, positions, std::move(births), report).run();
+                                std::vector<Birth> births, const std::optional<Vertical>& vertical,
+                                VerifyReport& report) {
+  return ScriptCheck(id, page, positions, std::move(births), vertical, report).run();
 }
 
 }  // namespace cuesta

@@ -24,9 +24,11 @@ struct ReplayedSurvivors {
 };
 
 /// @param positions  one per local vertex
+/// @param vertical   of a field of heights: triangles may turn, but not over seen from above
 /// @param births     one per triangle: of the fan that changed it last, in a finer page
 /// @cost about 2 µs per substitution; 150 bytes per triangle.
 ReplayedSurvivors verify_script(PageId id, const Page& page, std::span<const Vec3i> positions,
-                            std::vector<Birth> births, VerifyReport& report);
+                                std::vector<Birth> births, const std::optional<Vertical>& vertical,
+                                VerifyReport& report);
 
 }  // namespace cuesta

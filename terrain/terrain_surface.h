@@ -30,6 +30,7 @@ struct TerrainOptions {
 struct TerrainFigures {
   MosaicCounts postings;
   double least_m = 0, most_m = 0;  ///< heights
+  double spacing_m = 0;            ///< of the finest layer's rows, in its middle
 };
 
 /// Heights are taken as f32. Error bounds of what is built from it are vertical, over every posting; where a

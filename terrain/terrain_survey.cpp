@@ -150,6 +150,7 @@ class TerrainSurvey {
     if (surface.triangles == 0)
       return fail(ErrorCode::invalid_input, "", "",
                   "no triangle can be made: no three neighbouring postings have heights");
+    surface.figures_.spacing_m = spacing_m(surface);
     auto grid = grid_of(box, surface);
     if (!grid) return fail(grid.error());
     surface.grid = *grid;
@@ -204,7 +205,7 @@ class TerrainSurvey {
   }
 
   double natural_step(const TerrainSurface& surface) const {
-    const double quantum = mosaic_.vertical_quantum_m(), spacing = spacing_m(surface);
+    const double quantum = mosaic_.vertical_quantum_m(), spacing = surface.figures().spacing_m;
     if (quantum > 0 && quantum <= spacing) return is_on_steps(quantum, surface) ? quantum : quantum / 2;
     return std::exp2(std::floor(std::log2(std::min(spacing / steps_per_spacing, largest_step_m))));
   }

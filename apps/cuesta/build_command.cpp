@@ -27,6 +27,10 @@ BuildSettings with_defaults(BuildSettings settings) {
   return settings;
 }
 
+bool is_terrain(const BuildSettings& s) {
+  return std::all_of(s.inputs.begin(), s.inputs.end(), is_raster);
+}
+
 /// Fails early what would fail after the whole build.
 Result<void> check_output(const BuildSettings& s) {
   std::error_code ignored;
@@ -36,6 +40,11 @@ Result<void> check_output(const BuildSettings& s) {
                 "the output's folder does not exist; make it first");
   if (std::filesystem::is_directory(s.output, ignored))
     return fail(ErrorCode::invalid_input, s.output.string(), "", "is a folder; give a file name with -o");
+  if (!is_terrain(s))
+    if (const auto raster = std::find_if(s.inputs.begin(), s.inputs.end(), is_raster);
+        raster != s.inputs.end())
+      return fail(ErrorCode::invalid_input, raster->string(), "",
+                  "is a raster of heights, and other inputs are meshes: build them apart");
   for (const auto& input : s.inputs)
     if (std::filesystem::equivalent(input, s.output, ignored))
       return fail(ErrorCode::invalid_input, s.output.string(), "", "input and output are the same file");
@@ -121,15 +130,45 @@ void note_surface(const IngestedSurface& surface, BuildFacts& facts) {
   for (std::size_t i = 0; i < surface.inputs.size(); ++i) facts.inputs[i].read = surface.inputs[i];
   facts.missing = surface.missing;
   facts.clean = surface.report;
-  facts.triangles = surface.triangles;
-  facts.vertices = surface.vertices;
-  facts.has_normals = surface.attributes.normals;
-  facts.has_colours = surface.attributes.colours;
-  facts.has_texcoords = surface.attributes.texcoords;
 }
 
-Result<void> build_in(WorkFolder& folder, const BuildSettings& s, BuildFacts& facts, Progress& progress) {
-  MemoryBudget memory(s.memory_bytes);
+Result<void> build_pages(const InputSurface& surface, WorkFolder& folder, const BuildSettings& s,
+                         BuildFacts& facts, MemoryBudget& memory, const BuildProgress& update) {
+  facts.triangles = surface.triangles;
+  facts.vertices = surface.vertices;
+  facts.attributes = surface.attributes;
+  BuildOptions options;
+  options.cell_triangles = s.cell_triangles;
+  options.metadata = build_metadata(facts, s);
+  auto built = build_hierarchy(surface, s.output, options, folder, memory, update);
+  if (!built) return fail(built.error());
+  facts.built = *built;
+  return {};
+}
+
+Result<void> build_terrain(WorkFolder& folder, const BuildSettings& s, BuildFacts& facts,
+                           MemoryBudget& memory, Progress& progress) {
+  const auto update = [&](std::string_view stage, std::uint64_t done, std::uint64_t total) {
+    const bool reads = stage == "read";
+    return progress.update(reads ? stage : "build", reads ? Unit::postings : Unit::triangles, done, total);
+  };
+  auto input = open_terrain(s.inputs, s.terrain, folder.path());
+  if (!input) return fail(input.error());
+  facts.warnings = input->mosaic->warnings();
+  auto for_mosaic = memory.reserve(input->mosaic->memory_bytes(), "blocks of rasters");
+  if (!for_mosaic) return fail(for_mosaic.error());
+  TerrainOptions options;
+  options.step_m = s.step;
+  options.make_normals = s.make_normals;
+  auto surface = TerrainSurface::survey(*input->mosaic, input->facts.frame, options, folder, memory, update);
+  if (!surface) return fail(surface.error());
+  note_survey(**surface, *input->mosaic, input->facts);
+  facts.terrain = std::move(input->facts);
+  return build_pages(**surface, folder, s, facts, memory, update);
+}
+
+Result<void> build_mesh(WorkFolder& folder, const BuildSettings& s, BuildFacts& facts, MemoryBudget& memory,
+                        Progress& progress) {
   const auto update = [&](std::string_view stage, std::uint64_t done, std::uint64_t total) {
     return progress.update(stage.starts_with("round") ? "build" : stage, Unit::triangles, done, total);
   };
@@ -147,13 +186,7 @@ Result<void> build_in(WorkFolder& folder, const BuildSettings& s, BuildFacts& fa
     return fail(error);
   }
   note_surface(*surface, facts);
-  BuildOptions options;
-  options.cell_triangles = s.cell_triangles;
-  options.metadata = build_metadata(facts, s);
-  auto built = build_hierarchy(*surface, s.output, options, folder, memory, update);
-  if (!built) return fail(built.error());
-  facts.built = *built;
-  return {};
+  return build_pages(*surface, folder, s, facts, memory, update);
 }
 
 }  // namespace
@@ -181,13 +214,16 @@ Result<void> run_build(const BuildSettings& given) {
   if (!folder) return fail(folder.error());
   if (folder->journal().is_resumed() && !s.quiet)
     fmt::print(stderr, "going on with what an earlier run left in {}\n", work.string());
-  if (auto r = build_in(*folder, s, facts, progress); !r) {
-    if (!is_resumable(r.error().code)) {
+  MemoryBudget memory(s.memory_bytes);
+  const auto built = is_terrain(s) ? build_terrain(*folder, s, facts, memory, progress)
+                                   : build_mesh(*folder, s, facts, memory, progress);
+  if (!built) {
+    if (!is_resumable(built.error().code)) {
       folder->remove();
       std::error_code ignored;
       std::filesystem::remove(s.output.string() + ".part", ignored);
     }
-    return r;
+    return built;
   }
   folder->remove();
   progress.finish();

@@ -1,10 +1,11 @@
 #pragma once
-/// cuesta build: mesh files in, a .cuesta file out.
+/// cuesta build: mesh files or rasters of heights in, a .cuesta file out.
 
 #include <cstdint>
 #include <filesystem>
 #include <vector>
 
+#include "apps/cuesta/terrain_input.h"
 #include "ooc/result.h"
 #include "ooc/volume_options.h"
 
@@ -15,10 +16,11 @@ struct BuildSettings {
   std::filesystem::path output;               ///< empty, for one input only: its name with .cuesta
   std::filesystem::path temp;                 ///< where the work folder goes; empty: beside the output
   std::uint64_t memory_bytes = 0;             ///< 0: three quarters of the machine's
-  double step = 0;                            ///< grid step in world units; 0 chooses
+  double step = 0;                            ///< grid step in world units (metres, of a terrain); 0 chooses
   double weld = 0;  ///< points on open borders this near to each other, in world units, become one; 0: none
   std::uint32_t cell_triangles = 1u << 15;
   VolumeOptions volume;      ///< of inputs that are volumes
+  TerrainSettings terrain;   ///< of inputs that are rasters of heights
   bool make_normals = true;  ///< where the input has none
   bool force = false;        ///< build also when the output is up to date
   bool resume = true;        ///< go on with what an interrupted build left

@@ -15,9 +15,23 @@
 namespace cuesta::app {
 namespace {
 
+/// Those that decide about the output: inputs, and what belongs to rasters.
+std::vector<std::filesystem::path> all_files(const BuildSettings& settings) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& path : settings.inputs) {
+    if (!is_raster(path)) {
+      files.push_back(path);
+      continue;
+    }
+    const auto of_raster = files_of_raster(path);
+    files.insert(files.end(), of_raster.begin(), of_raster.end());
+  }
+  return files;
+}
+
 std::uint64_t bytes_of_all(const BuildSettings& settings) {
   std::uint64_t total = 0;
-  for (const auto& path : settings.inputs) {
+  for (const auto& path : all_files(settings)) {
     std::error_code failed;
     const auto bytes = std::filesystem::file_size(path, failed);
     if (!failed) total += bytes;
@@ -41,7 +55,7 @@ Result<std::string> build_fingerprint(const BuildSettings& settings, Progress& p
   print.add(options_json(settings));
   const std::uint64_t total = bytes_of_all(settings);
   std::uint64_t before = 0;
-  for (const auto& path : settings.inputs) {
+  for (const auto& path : all_files(settings)) {
     std::uint64_t within = 0;
     print.add(path.filename().string());
     const auto added = print.add_file(path, [&](std::uint64_t done) {

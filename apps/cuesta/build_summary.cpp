@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
@@ -99,11 +100,31 @@ nlohmann::ordered_json volume_of(const VolumeOptions& volume) {
   return object;
 }
 
+/// The same of terrains.
+nlohmann::ordered_json terrain_of(const TerrainSettings& t) {
+  constexpr std::array<const char*, 4> frames{"auto", "ecef", "enu", "projected"};
+  nlohmann::ordered_json object = nlohmann::ordered_json::object();
+  if (!t.crs.empty()) object["crs"] = t.crs;
+  if (!t.geoid.empty()) object["geoid"] = t.geoid;
+  if (t.heights != VerticalDatum::unknown) object["heights"] = name(t.heights);
+  if (t.frame != FrameChoice::automatic) object["frame"] = frames[static_cast<std::size_t>(t.frame)];
+  if (t.origin) object["origin"] = {t.origin->lat_deg, t.origin->lon_deg};
+  if (t.priority != MosaicPriority::finest_first) object["priority"] = "order";
+  if (t.sea_level_m) object["sea_level_m"] = *t.sea_level_m;
+  if (t.no_data) object["no_data"] = *t.no_data;
+  if (t.fill_postings > 0) object["fill_postings"] = t.fill_postings;
+  if (t.zoom) object["zoom"] = *t.zoom;
+  if (!t.variable.empty()) object["variable"] = t.variable;
+  return object;
+}
+
 nlohmann::ordered_json options_of(const BuildSettings& settings) {
   nlohmann::ordered_json options{{"cell_triangles", settings.cell_triangles},
                                  {"make_normals", settings.make_normals},
                                  {"step", settings.step}};
   if (settings.weld > 0) options["weld"] = settings.weld;
+  const auto terrain = terrain_of(settings.terrain);
+  if (!terrain.empty()) options["terrain"] = terrain;
   const auto volume = volume_of(settings.volume);
   if (!volume.empty()) options["volume"] = volume;
   return options;
@@ -114,14 +135,36 @@ std::string attributes(const BuildFacts& f) {
   const auto add = [&](bool there, const char* word) {
     if (there) text += (text.empty() ? "" : ", ") + std::string(word);
   };
-  add(f.has_normals, "normals");
-  add(f.has_colours, "colours");
-  add(f.has_texcoords, "texture coordinates");
+  add(f.attributes.normals, "normals");
+  add(f.attributes.colours, "colours");
+  add(f.attributes.texcoords, "texture coordinates");
   return text.empty() ? "none" : text;
 }
 
 std::string row(std::string_view name, std::string_view value) {
   return fmt::format("  {:<12}{}\n", name, value);
+}
+
+/// What was read, and where it is.
+std::string terrain_rows(const TerrainFacts& t, const InputFacts& all) {
+  std::string text = row(
+      "input", fmt::format("{}: {} postings, {}", all.name, with_commas(t.postings), byte_count(all.bytes)));
+  const std::vector<Count> counts{{"postings without data: holes", t.no_data},
+                                  {"postings without data: interpolated", t.filled},
+                                  {"postings at or raised to the sea level", t.raised}};
+  for (const auto& [words, count] : counts)
+    if (count > 0) text += row("", fmt::format("{} {}", with_commas(count), words));
+  text +=
+      row("heights", fmt::format("{:.1f} to {:.1f} m, {}{}", t.least_m, t.most_m,
+                                 t.heights == VerticalDatum::unknown ? "of unknown datum" : name(t.heights),
+                                 t.geoid.empty() ? "" : ", geoid " + t.geoid));
+  if (t.heights != VerticalDatum::ellipsoidal && t.frame.kind() != FrameKind::projected)
+    text += row("", "taken as ellipsoidal: up to 107 m off; --geoid egm96 makes them so");
+  if (t.bounds)
+    text += row("bounds", fmt::format("{:.4f} to {:.4f} N, {:.4f} to {:.4f} E; postings {:.1f} m apart",
+                                      t.bounds->south_deg, t.bounds->north_deg, t.bounds->west_deg,
+                                      t.bounds->east_deg, t.spacing_m));
+  return text + row("frame", t.frame.description());
 }
 
 }  // namespace
@@ -134,15 +177,21 @@ std::string build_metadata(const BuildFacts& facts, const BuildSettings& setting
   nlohmann::ordered_json json;
   json["program"] = "cuesta " + version_number();
   json["inputs"] = nlohmann::ordered_json::array();
-  for (const InputFacts& input : facts.inputs)
-    json["inputs"].push_back({{"name", input.name},
-                              {"bytes", input.bytes},
-                              {"vertices", input.read.vertices},
-                              {"triangles", input.read.triangles}});
-  json["read"] = as_json(read_counts(totals(facts).read));
-  json["missing"] = as_json(missing_counts(facts.missing));
-  json["clean"] = as_json(clean_counts(facts.clean));
-  if (settings.weld > 0) json["clean"].update(as_json(weld_counts(facts.clean)));
+  for (const InputFacts& input : facts.inputs) {
+    json["inputs"].push_back({{"name", input.name}, {"bytes", input.bytes}});
+    if (facts.terrain) continue;  // what is in each is in "terrain"
+    json["inputs"].back()["vertices"] = input.read.vertices;
+    json["inputs"].back()["triangles"] = input.read.triangles;
+  }
+  if (facts.terrain) {
+    json["terrain"] = nlohmann::ordered_json::parse(terrain_json(*facts.terrain));
+    json["warnings"] = facts.warnings;
+  } else {
+    json["read"] = as_json(read_counts(totals(facts).read));
+    json["missing"] = as_json(missing_counts(facts.missing));
+    json["clean"] = as_json(clean_counts(facts.clean));
+    if (settings.weld > 0) json["clean"].update(as_json(weld_counts(facts.clean)));
+  }
   json["options"] = options_of(settings);
   if (totals(facts).read.other_files == 0) json["fingerprint"] = facts.fingerprint;
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
@@ -152,9 +201,12 @@ std::string build_summary(const BuildFacts& f, const BuildSettings& settings) {
   const double triangles = static_cast<double>(std::max<std::uint64_t>(1, f.triangles));
   std::string text = settings.output.string() + "\n";
   const InputFacts all = totals(f);
-  text +=
-      row("input", fmt::format("{}: {} triangles, {} vertices, {}", all.name, with_commas(all.read.triangles),
-                               with_commas(all.read.vertices), byte_count(all.bytes)));
+  if (f.terrain) text += terrain_rows(*f.terrain, all);
+  for (const std::string& warning : f.warnings) text += row("", warning);
+  if (!f.terrain)
+    text += row("input",
+                fmt::format("{}: {} triangles, {} vertices, {}", all.name, with_commas(all.read.triangles),
+                            with_commas(all.read.vertices), byte_count(all.bytes)));
   for (const auto& [words, count] : told_missing(f.missing, settings.make_normals))
     if (count > 0) text += row("", fmt::format("{} {}", with_commas(count), words));
   if (settings.weld > 0)

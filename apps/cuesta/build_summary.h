@@ -2,13 +2,14 @@
 /// What a build tells: the JSON kept in the file, and the summary on the screen.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "apps/cuesta/build_command.h"
 #include "hierarchy/build_hierarchy.h"
-#include "ooc/ingest.h"
 #include "ooc/clean_report.h"
+#include "ooc/ingest.h"
 #include "ooc/mesh_reader.h"
 
 namespace cuesta::app {
@@ -25,9 +26,11 @@ struct BuildFacts {
   MissingAttributes missing;
   CleanReport clean;
   BuildReport built;
+  std::optional<TerrainFacts> terrain;
+  std::vector<std::string> warnings;
   std::uint64_t triangles = 0, vertices = 0;  ///< of the clean surface
+  AttributeSet attributes;
   double seconds = 0;
-  bool has_normals = false, has_colours = false, has_texcoords = false;
 };
 
 /// The options that decide the bytes of the file, as a JSON object: all that the metadata and the fingerprint

@@ -126,9 +126,68 @@ CLI::Option* add_camera(CLI::App* app, std::optional<CameraText>& camera) {
                     [&camera](const std::string& text) { return (camera = parse_camera(text)).has_value(); });
 }
 
+/// "47.5,-122.25": latitude and longitude.
+std::optional<LatLon> parse_lat_lon(std::string_view text) {
+  const auto comma = text.find(',');
+  LatLon at;
+  if (comma == text.npos || !CLI::detail::lexical_cast(std::string(text.substr(0, comma)), at.lat_deg) ||
+      !CLI::detail::lexical_cast(std::string(text.substr(comma + 1)), at.lon_deg))
+    return std::nullopt;
+  return at;
+}
+
+void add_terrain(CLI::App* app, TerrainSettings& t) {
+  const char* group = "Terrain";
+  app->add_option("--crs", t.crs, "where rasters lie that do not say it, or say it wrong")
+      ->type_name("EPSG:n")
+      ->group(group);
+  app->add_option("--geoid", t.geoid,
+                  "egm96, egm84, or a .pgm file: makes orthometric heights ellipsoidal, which the\n"
+                  "globe and local frames need; default: heights stay as they are")
+      ->type_name("NAME")
+      ->group(group);
+  add_parsed(app, "--heights", "DATUM", "of the files: orthometric or ellipsoidal; default: as they say",
+             one_of<VerticalDatum>(
+                 {{"orthometric", VerticalDatum::orthometric}, {"ellipsoidal", VerticalDatum::ellipsoidal}},
+                 t.heights))
+      ->group(group);
+  add_parsed(app, "--frame", "KIND",
+             "auto, ecef (the globe), enu (east, north, up at a place) or projected (the files'\n"
+             "own plane); default auto: projected, else enu up to 10 degrees, else ecef",
+             one_of<FrameChoice>({{"auto", FrameChoice::automatic},
+                                  {"ecef", FrameChoice::ecef},
+                                  {"enu", FrameChoice::enu},
+                                  {"projected", FrameChoice::projected}},
+                                 t.frame))
+      ->group(group);
+  add_parsed(app, "--origin", "LAT,LON", "of the frame enu; default: the middle",
+             [&t](const std::string& text) { return (t.origin = parse_lat_lon(text)).has_value(); })
+      ->group(group);
+  add_parsed(
+      app, "--priority", "WHICH", "of rasters that overlap: finest, or order (as given); default finest",
+      one_of<MosaicPriority>(
+          {{"finest", MosaicPriority::finest_first}, {"order", MosaicPriority::given_order}}, t.priority))
+      ->group(group);
+  app->add_option("--fill", t.fill_postings,
+                  "interpolate no-data up to so many postings from data on both sides")
+      ->type_name("N")
+      ->check(CLI::Range(0u, most_fill_postings))
+      ->group(group);
+  app->add_option("--sea-level", t.sea_level_m, "water at H metres: no-data, and what is below, becomes it")
+      ->type_name("H")
+      ->group(group);
+  app->add_option("--no-data", t.no_data, "the sample that is no height, instead of the files' own")
+      ->type_name("V")
+      ->group(group);
+  app->add_option("--zoom", t.zoom, "level of a folder of tiles, z/x/y.png; default: the finest")
+      ->type_name("Z")
+      ->group(group);
+  app->add_option("--variable", t.variable, "of netCDF files")->type_name("NAME")->group(group);
+}
+
 void add_build(CLI::App& program, Common& common) {
   Command<BuildSettings> c(
-      program, "build", "Builds a .cuesta file from mesh files and volumes.",
+      program, "build", "Builds a .cuesta file from mesh files, volumes, or rasters of heights.",
       "Reads PLY, OBJ, STL, OFF, glTF, GLB or Draco; drops what is no surface (degenerate,\n"
       "duplicate and non-finite faces), cuts non-manifold edges, snaps vertices to a grid, and\n"
       "writes all levels of detail into one file. What was dropped is counted and told.\n\n"
@@ -143,13 +202,20 @@ void add_build(CLI::App& program, Common& common) {
       "grids of float, half or double, --iso the value on the surface, --adaptivity merges flat\n"
       "parts. Level sets have their surface at 0 with lower values inside; fog volumes at 0.5\n"
       "with higher values inside; other grids, which count as fog, need --iso.\n\n"
+      "Rasters of heights (.hgt, GeoTIFF, ESRI ASCII grid, netCDF, PNG, folders of z/x/y.png, raw\n"
+      "samples with a sidecar) become one terrain: any number of tiles, with overlaps and gaps. No-data\n"
+      "is a hole, unless --fill or --sea-level say otherwise. Error bounds are vertical, in metres, over\n"
+      "every posting.\n\n"
       "An output that was made by this program from the same bytes with the same options is up to\n"
       "date: nothing is done. (glTF with buffers in other files is always built.)\n\n"
       "Examples:\n  cuesta build bunny.ply -o bunny.cuesta --memory 4G\n"
       "  cuesta build tiles/*.ply.gz -o city.cuesta --temp /var/tmp\n"
-      "  cuesta build smoke.vdb --grid density --iso 0.1 --adaptivity 0.02");
+      "  cuesta build smoke.vdb --grid density --iso 0.1 --adaptivity 0.02\n"
+      "  cuesta build *.hgt -o alps.cuesta --geoid egm96 --fill 20");
   BuildSettings& s = *c.settings;
-  c.app->add_option("INPUT", s.inputs, "mesh files; their formats are taken from their contents")
+  c.app
+      ->add_option("INPUT", s.inputs,
+                   "mesh files, their formats taken from their contents; or rasters of heights")
       ->type_name("")
       ->required();
   add_path(c.app, "-o,--output", s.output,
@@ -191,6 +257,7 @@ void add_build(CLI::App& program, Common& common) {
                    "0 to 1: merge a volume's cells whose normals differ by less; default 0: none")
       ->type_name("A")
       ->check(CLI::Range(0.0, 1.0));
+  add_terrain(c.app, s.terrain);
   c.app->add_flag("!--no-normals", s.make_normals, "do not compute normals where the input has none");
   c.app->add_flag("--force", s.force, "build also when the output is up to date");
   add_threads(c.app, common);

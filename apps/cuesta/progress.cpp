@@ -22,6 +22,8 @@ std::string amount(Unit unit, double n) {
   switch (unit) {
     case Unit::bytes:
       return byte_count(whole);
+    case Unit::postings:
+      return with_commas(whole) + " postings";
     case Unit::triangles:
       return with_commas(whole) + " triangles";
     case Unit::pages:

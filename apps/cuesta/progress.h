@@ -8,7 +8,7 @@
 
 namespace cuesta::app {
 
-enum class Unit : std::uint8_t { none, bytes, triangles, pages, frames };
+enum class Unit : std::uint8_t { none, bytes, postings, triangles, pages, frames };
 
 /// Writes to a stream (stderr). Stages follow each other; a stage's total may be 0 if unknown.
 /// On a terminal: stage, bar, rate, time left and memory, ten times a second at most. Elsewhere: a line at

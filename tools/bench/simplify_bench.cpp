@@ -123,7 +123,7 @@ std::vector<Work> all_rounds(InputChunk input, std::size_t most_cells) {
     for (std::uint32_t c = 0; c < cells.cell_count(); ++c) {
       Cell cell = cells.cell(c);
       if (c < most_cells) work.add(cell.mesh);
-      const CellOutput out = run_cell_task(std::move(cell), chunk, surface, options);
+      const CellOutput out = value_of(run_cell_task(std::move(cell), chunk, IngestedSurface(), options));
       work.add_result(out.page);
       work.add_result(out.survivors);
       if (!options.base) next.add(c, value_of(decode_survivors(out.survivors)));
