@@ -1,0 +1,176 @@
+#include "apps/measure/vertical_error.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <vector>
+
+#include "apps/measure/percentiles.h"
+#include "apps/measure/posting_bins.h"
+#include "ooc/check.h"
+
+namespace cuesta::measure {
+namespace {
+
+constexpr double uncovered = -1;
+using Range = tbb::blocked_range<std::size_t>;
+using Corners = std::array<std::uint32_t, 3>;
+
+/// A posting and its up line.
+struct Upright {
+  Vec3d at, up;
+};
+
+/// On which side of the line the edge from corner a to corner b passes, times twice an area. The edge's two
+/// triangles get the same bits with opposite signs: it is always computed from the lower number to the
+/// higher.
+double side(const Upright& line, const SurfaceMesh& mesh, std::uint32_t a, std::uint32_t b) {
+  if (a > b) return -side(line, mesh, b, a);
+  return dot(line.up, cross(mesh.positions[a] - line.at, mesh.positions[b] - line.at));
+}
+
+/// How far the triangle is along the line; none where the line passes it.
+std::optional<double> height_m(const Upright& line, const SurfaceMesh& mesh, const Corners& t) {
+  const double w[3] = {side(line, mesh, t[1], t[2]), side(line, mesh, t[2], t[0]),
+                       side(line, mesh, t[0], t[1])};
+  const auto [least, most] = std::minmax({w[0], w[1], w[2]});
+  const double area = w[0] + w[1] + w[2];
+  if (area == 0 || (least < 0 && most > 0)) return {};
+  double sum = 0;
+  for (std::size_t k = 0; k < 3; ++k) sum += w[k] * dot(line.up, mesh.positions[t[k]] - line.at);
+  return sum / area;
+}
+
+/// Of the point of the triangle's outline that passes the line most closely; none if that is farther than
+/// slack_m.
+std::optional<double> height_within(const Upright& line, const SurfaceMesh& mesh, const Corners& t,
+                                    double slack_m) {
+  const auto flattened = [&](Vec3d v) { return v - line.up * dot(line.up, v); };
+  double nearest = slack_m;
+  std::optional<double> height;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3d from = mesh.positions[t[k]] - line.at,
+                edge = mesh.positions[t[(k + 1) % 3]] - mesh.positions[t[k]];
+    const Vec3d a = flattened(from), e = flattened(edge);
+    const double along = dot(e, e) > 0 ? std::clamp(-dot(a, e) / dot(e, e), 0.0, 1.0) : 0;
+    const double off = length(a + e * along);
+    if (off > nearest || (off == nearest && height)) continue;
+    nearest = off;
+    height = dot(line.up, from + edge * along);
+  }
+  return height;
+}
+
+void raise(double& distance, double candidate) {
+  std::atomic_ref<double> shared(distance);
+  double seen = shared.load(std::memory_order_relaxed);
+  while (seen < candidate && !shared.compare_exchange_weak(seen, candidate, std::memory_order_relaxed)) {
+  }
+}
+
+class Checker {
+ public:
+  Checker(const SurfaceMesh& mesh, std::span<const Vec3d> postings_m, const UpAt& up)
+      : mesh_(mesh),
+        postings_m_(postings_m),
+        posting_up_(ups(postings_m, up)),
+        corner_up_(ups(mesh.positions, up)) {
+    distances_m_.assign(postings_m.size(), uncovered);
+  }
+
+  /// Largest vertical distance of each posting, or `uncovered`.
+  const std::vector<double>& distances_m() const { return distances_m_; }
+
+  /// Looks for triangles over or under `ids`, with slack: beside them.
+  void cover(std::span<const std::uint32_t> ids, double slack_m) {
+    const PostingBins bins(postings_m_, posting_up_, ids);
+    tbb::parallel_for(Range(0, mesh_.triangles.size(), 1024), [&](const Range& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+        const Corners& t = mesh_.triangles[i];
+        bins.visit_near(upright(t), slack_m, [&](std::uint32_t id) {
+          const Upright line{postings_m_[id], posting_up_.empty() ? Vec3d{0, 0, 1} : posting_up_[id]};
+          const auto h = slack_m > 0 ? height_within(line, mesh_, t, slack_m) : height_m(line, mesh_, t);
+          if (h) raise(distances_m_[id], std::abs(*h));
+        });
+      }
+    });
+  }
+
+ private:
+  static std::vector<Vec3d> ups(std::span<const Vec3d> positions, const UpAt& up) {
+    std::vector<Vec3d> out(up ? positions.size() : 0);
+    tbb::parallel_for(Range(0, out.size(), 1024), [&](const Range& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) out[i] = up(positions[i]);
+    });
+    return out;
+  }
+  UprightTriangle upright(const Corners& t) const {
+    UprightTriangle out{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      out.at[k] = mesh_.positions[t[k]];
+      if (!corner_up_.empty()) out.up[k] = corner_up_[t[k]];
+    }
+    return out;
+  }
+
+  const SurfaceMesh& mesh_;
+  std::span<const Vec3d> postings_m_;
+  std::vector<Vec3d> posting_up_, corner_up_;
+  std::vector<double> distances_m_;
+};
+
+bool is_finite(Vec3d p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+VerticalError summary(std::span<const std::uint32_t> ids, const std::vector<double>& distances_m,
+                      double bound_m) {
+  VerticalError error;
+  error.postings = ids.size();
+  std::vector<double> covered;
+  covered.reserve(ids.size());
+  for (const std::uint32_t id : ids) {
+    const double d = distances_m[id];
+    if (d == uncovered) {
+      ++error.uncovered;
+      continue;
+    }
+    if (covered.empty() || d > error.max_m) {
+      error.max_m = d;
+      error.worst = id;
+    }
+    error.beyond += d > bound_m;
+    covered.push_back(d);
+  }
+  error.p999_m = percentiles(std::move(covered)).p999;
+  return error;
+}
+
+}  // namespace
+
+VerticalError vertical_error(const SurfaceMesh& mesh, std::span<const Vec3d> postings_m,
+                             const VerticalOptions& options) {
+  CUESTA_CHECK(postings_m.size() < 0xFFFFFFFFu, postings_m.size());
+  CUESTA_CHECK(options.slack_m >= 0, options.slack_m);
+  std::vector<std::uint32_t> ids;
+  ids.reserve(postings_m.size());
+  for (std::uint32_t i = 0; i < postings_m.size(); ++i)
+    if (is_finite(postings_m[i])) ids.push_back(i);
+  Checker checker(mesh, postings_m, options.up);
+  checker.cover(ids, 0);
+  std::vector<std::uint32_t> missed;
+  if (options.slack_m > 0)
+    std::copy_if(ids.begin(), ids.end(), std::back_inserter(missed),
+                 [&](std::uint32_t id) { return checker.distances_m()[id] == uncovered; });
+  if (!missed.empty()) checker.cover(missed, options.slack_m);
+  VerticalError error = summary(ids, checker.distances_m(), options.bound_m);
+  if (!missed.empty()) error.within_slack = missed.size() - error.uncovered;
+  return error;
+}
+
+}  // namespace cuesta::measure
