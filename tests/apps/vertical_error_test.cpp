@@ -246,5 +246,22 @@ TEST(VerticalError, the_whole_globe_is_watertight) {
   EXPECT_LT(error.uncovered, 200u);
 }
 
+/// A chord's shadow is not straight on the cube's face: postings on both sides of the middle of a long edge,
+/// so close that their bins are narrower than that.
+TEST(VerticalError, long_edges_bend_on_the_ellipsoid) {
+  const Frame globe = Frame::ecef();
+  SurfaceMesh mesh;
+  for (const LatLon at : {LatLon{38, 1}, {44, 14}, {47, 3}, {36, 12}})
+    mesh.positions.push_back(globe.position_m(Geodetic{at.lat_deg, at.lon_deg, 0}));
+  mesh.triangles = {{0, 1, 2}, {1, 0, 3}};
+  const Geodetic middle = globe.geodetic((mesh.positions[0] + mesh.positions[1]) / 2);
+  std::vector<Vec3d> postings;
+  for (int r = -50; r <= 50; ++r)
+    for (int c = -50; c <= 50; ++c)
+      postings.push_back(
+          globe.position_m(Geodetic{middle.lat_deg + r * 1e-5, middle.lon_deg + c * 1e-5, 100}));
+  EXPECT_EQ(vertical_error(mesh, postings, {.up = up_of(globe)}).uncovered, 0u);
+}
+
 }  // namespace
 }  // namespace cuesta::measure

@@ -1,0 +1,243 @@
+// cuesta-bench-terrain guarantee FILE.cuesta RASTER… and baselines RASTER: triangles at errors in metres that
+// are verified at every posting (apps/measure/vertical_error.h), of uniform cuts and of what others do.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <memory>
+
+#include "apps/measure/vertical_error.h"
+#include "runtime/cut.h"
+#include "runtime/extract.h"
+#include "terrain/height_raster.h"
+#include "tools/baselines/greedy_delaunay.h"
+#include "tools/baselines/right_triangles.h"
+
+namespace {
+
+using namespace cuesta;
+using Rasters = std::vector<std::unique_ptr<HeightRaster>>;
+
+struct Settings {
+  std::string file;  ///< .cuesta
+  std::vector<std::string> rasters;
+  std::vector<double> errors_m{5, 10, 20, 50};
+  std::string csv;     ///< "": none
+  bool holes = false;  ///< uncovered postings are not a failure
+};
+
+double clock_ms() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+/// A printed table that is a CSV file too, and whether what it says is good.
+class Table {
+ public:
+  static Result<Table> create(const std::string& csv) {
+    Table table;
+    if (!csv.empty()) table.csv_.reset(std::fopen(csv.c_str(), "w"));
+    if (!csv.empty() && !table.csv_) return fail(ErrorCode::io, csv, "", "cannot be written");
+    table.write(
+        "method,error_m,reported_m,triangles,postings,verified_max_m,verified_p999_m,uncovered,within_slack,"
+        "beyond,seconds");
+    return table;
+  }
+
+  /// @param reported_m  what the method itself says of its error.
+  void add(const char* method, double error_m, double reported_m, std::size_t triangles,
+           const measure::VerticalError& found, double seconds) {
+    write(fmt::format("{},{:g},{:.6g},{},{},{:.6g},{:.6g},{},{},{},{:.2f}", method, error_m, reported_m,
+                      triangles, found.postings, found.max_m, found.p999_m, found.uncovered,
+                      found.within_slack, found.beyond, seconds));
+    beyond_ += found.beyond;
+    uncovered_ += found.uncovered;
+  }
+  std::uint64_t beyond() const { return beyond_; }
+  std::uint64_t uncovered() const { return uncovered_; }
+
+ private:
+  void write(const std::string& line) {
+    fmt::print("{}\n", line);
+    std::fflush(stdout);
+    if (csv_) fmt::print(csv_.get(), "{}\n", line);
+  }
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::unique_ptr<std::FILE, Close> csv_;
+  std::uint64_t beyond_ = 0, uncovered_ = 0;
+};
+
+Result<std::vector<double>> heights_of(const HeightRaster& raster) {
+  std::vector<double> heights_m(raster.info().width * raster.info().height);
+  const auto read = raster.read({0, 0, raster.info().width, raster.info().height}, heights_m);
+  if (!read) return fail(read.error());
+  return heights_m;
+}
+
+/// Where the postings of rasters are in the world of a surface, and where up is there.
+struct World {
+  std::function<Vec3d(const HeightRaster& raster, double column, double row, double height_m)> position;
+  measure::UpAt up;
+};
+
+/// x and y as in the rasters' own system, z the height.
+World plane_of_rasters() {
+  return {[](const HeightRaster& raster, double column, double row, double height_m) {
+            const PostingMap& map = raster.info().map;
+            return Vec3d{map.x(column, row), map.y(column, row), height_m};
+          },
+          {}};
+}
+
+/// A file does not say which frame it is in: it is on the plane of its rasters.
+World world_of(const Directory&) {
+  return plane_of_rasters();
+}
+
+Result<std::vector<Vec3d>> postings_of(const Rasters& rasters, const World& world) {
+  std::vector<Vec3d> postings;
+  for (const auto& raster : rasters) {
+    const auto heights_m = heights_of(*raster);
+    if (!heights_m) return fail(heights_m.error());
+    std::size_t i = 0;
+    for (std::uint64_t row = 0; row < raster->info().height; ++row)
+      for (std::uint64_t column = 0; column < raster->info().width; ++column)
+        postings.push_back(world.position(*raster, static_cast<double>(column), static_cast<double>(row),
+                                          (*heights_m)[i++]));
+  }
+  return postings;
+}
+
+Result<Rasters> open_all(const std::vector<std::string>& paths) {
+  Rasters rasters;
+  for (const std::string& path : paths) {
+    auto raster = open_height_raster(path);
+    if (!raster) return fail(raster.error());
+    rasters.push_back(std::move(*raster));
+  }
+  return rasters;
+}
+
+/// Uniform cuts as `cuesta export --error` makes them: an error asked for includes what snapping took.
+Result<void> check_cuts(const Settings& s, Table& table) {
+  const auto rasters = open_all(s.rasters);
+  if (!rasters) return fail(rasters.error());
+  auto file = CuestaFile::open(s.file);
+  if (!file) return fail(file.error());
+  const auto cut = Cut::open(std::move(*file), std::numeric_limits<std::uint64_t>::max(), clock_ms);
+  if (!cut) return fail(cut.error());
+  const Directory& d = (*cut)->directory();
+  const World world = world_of(d);
+  const auto postings = postings_of(*rasters, world);
+  if (!postings) return fail(postings.error());
+  const ErrorScale scale = ErrorScale::uniform(d.grid);
+  for (const double error_m : s.errors_m) {
+    const double start_ms = clock_ms();
+    const AdaptReport report = (*cut)->settle(scale, std::max(0.0, error_m - d.grid.snap_error()), {});
+    if (const auto errors = (*cut)->cache().errors(); !errors.empty()) return fail(errors.front());
+    const auto mesh = extract_mesh((*cut)->draw_list(), {false, false});
+    if (!mesh) return fail(mesh.error());
+    const double seconds = (clock_ms() - start_ms) / 1000;
+    const auto found = measure::vertical_error(
+        *mesh, *postings, {.up = world.up, .bound_m = error_m, .slack_m = d.grid.snap_error()});
+    table.add("cuesta", error_m, report.achieved + d.grid.snap_error(), mesh->triangles.size(), found,
+              seconds);
+  }
+  return {};
+}
+
+/// A raster that the baselines can take: in memory, without holes.
+struct Field {
+  std::vector<float> heights_m;
+  baselines::HeightGrid grid;
+};
+
+Result<Field> field_of(const HeightRaster& raster) {
+  const RasterInfo& info = raster.info();
+  constexpr std::uint64_t most = baselines::most_columns_or_rows;
+  if (info.width < 2 || info.height < 2 || info.width > most || info.height > most)
+    return fail(ErrorCode::invalid_input, info.files.front(), "",
+                fmt::format("the baselines take 2 to {} postings a side, found {} x {}", most, info.width,
+                            info.height));
+  const auto heights_m = heights_of(raster);
+  if (!heights_m) return fail(heights_m.error());
+  Field field;
+  for (const double h : *heights_m) {
+    if (std::isnan(h))
+      return fail(ErrorCode::invalid_input, info.files.front(), "",
+                  "the baselines take no postings without data");
+    field.heights_m.push_back(static_cast<float>(h));
+  }
+  field.grid = {static_cast<std::uint32_t>(info.width), static_cast<std::uint32_t>(info.height),
+                field.heights_m};
+  return field;
+}
+
+Result<void> run_baselines(const Settings& s, Table& table) {
+  const auto rasters = open_all(s.rasters);
+  if (!rasters) return fail(rasters.error());
+  const auto field = field_of(*rasters->front());
+  if (!field) return fail(field.error());
+  auto postings = postings_of(*rasters, plane_of_rasters());
+  if (!postings) return fail(postings.error());
+  SurfaceMesh mesh;
+  mesh.positions = *postings;
+  const auto check = [&](const char* method, double error_m, double seconds) {
+    const auto found = measure::vertical_error(mesh, *postings, {.bound_m = error_m});
+    table.add(method, error_m, error_m, mesh.triangles.size(), found, seconds);
+  };
+  for (const double error_m : s.errors_m) {
+    const double start_ms = clock_ms();
+    mesh.triangles = baselines::greedy_delaunay(field->grid, error_m);
+    check("delaunay", error_m, (clock_ms() - start_ms) / 1000);
+  }
+  if (!baselines::RightTriangles::takes(field->grid.columns, field->grid.rows)) return {};
+  double start_ms = clock_ms();
+  const baselines::RightTriangles tree(field->grid);
+  for (const double error_m : s.errors_m) {
+    mesh.triangles = tree.cut(error_m);
+    check("right_triangles", error_m, (clock_ms() - start_ms) / 1000);
+    start_ms = clock_ms();
+  }
+  return {};
+}
+
+int run(const Settings& s, Result<void> (*work)(const Settings&, Table&)) {
+  auto table = Table::create(s.csv);
+  const Result<void> done = table ? work(s, *table) : Result<void>(fail(table.error()));
+  if (!done) {
+    fmt::print(stderr, "cuesta-bench-terrain: {}\n", done.error().text());
+    return exit_status(done.error().code);
+  }
+  return table->beyond() == 0 && (s.holes || table->uncovered() == 0) ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Settings s;
+  CLI::App app{
+      "Triangles of terrain at errors that are verified at every posting. Exit status 1: one is beyond.",
+      "cuesta-bench-terrain"};
+  app.require_subcommand(1);
+  CLI::App* guarantee = app.add_subcommand("guarantee", "uniform cuts of a .cuesta file");
+  guarantee->add_option("FILE", s.file, ".cuesta that was built from the rasters")->required();
+  guarantee->add_flag("--holes", s.holes, "postings without a surface are counted, but no failure");
+  CLI::App* others =
+      app.add_subcommand("baselines", "greedy Delaunay insertion, right triangles if sides are 2^k + 1");
+  for (CLI::App* command : {guarantee, others}) {
+    auto* rasters =
+        command->add_option("RASTER", s.rasters, "heights; a JSON sidecar may place them")->required();
+    if (command == others) rasters->expected(1);
+    command->add_option("--errors", s.errors_m, "vertical errors in metres, 5,10,20,50 by default")
+        ->delimiter(',');
+    command->add_option("--csv", s.csv, "file for the table");
+  }
+  CLI11_PARSE(app, argc, argv);
+  return run(s, guarantee->parsed() ? check_cuts : run_baselines);
+}
