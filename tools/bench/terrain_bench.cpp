@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <limits>
 #include <memory>
 
@@ -72,13 +74,6 @@ class Table {
   std::uint64_t beyond_ = 0, uncovered_ = 0;
 };
 
-Result<std::vector<double>> heights_of(const HeightRaster& raster) {
-  std::vector<double> heights_m(raster.info().width * raster.info().height);
-  const auto read = raster.read({0, 0, raster.info().width, raster.info().height}, heights_m);
-  if (!read) return fail(read.error());
-  return heights_m;
-}
-
 /// Where the postings of rasters are in the world of a surface, and where up is there.
 struct World {
   std::function<Vec3d(const HeightRaster& raster, double column, double row, double height_m)> position;
@@ -99,18 +94,44 @@ World world_of(const Directory&) {
   return plane_of_rasters();
 }
 
-Result<std::vector<Vec3d>> postings_of(const Rasters& rasters, const World& world) {
+/// Postings of whole rows, some millions at a time: those of all rasters need not fit in memory.
+Result<void> visit_postings(const Rasters& rasters, const World& world,
+                            const std::function<void(std::span<const Vec3d>)>& visit) {
+  constexpr std::uint64_t most_postings = std::uint64_t{1} << 23;
+  std::vector<double> heights_m;
   std::vector<Vec3d> postings;
   for (const auto& raster : rasters) {
-    const auto heights_m = heights_of(*raster);
-    if (!heights_m) return fail(heights_m.error());
-    std::size_t i = 0;
-    for (std::uint64_t row = 0; row < raster->info().height; ++row)
-      for (std::uint64_t column = 0; column < raster->info().width; ++column)
-        postings.push_back(world.position(*raster, static_cast<double>(column), static_cast<double>(row),
-                                          (*heights_m)[i++]));
+    const std::uint64_t width = raster->info().width, height = raster->info().height;
+    const std::uint64_t band = std::clamp<std::uint64_t>(most_postings / width, 1, height);
+    for (std::uint64_t first = 0; first < height; first += band) {
+      const Window window{0, first, width, std::min(band, height - first)};
+      heights_m.resize(window.width * window.height);
+      if (auto r = raster->read(window, heights_m); !r) return r;
+      postings.clear();
+      for (std::size_t i = 0; i < heights_m.size(); ++i)
+        postings.push_back(world.position(*raster, static_cast<double>(i % width),
+                                          static_cast<double>(first + i / width), heights_m[i]));
+      visit(postings);
+    }
   }
-  return postings;
+  return {};
+}
+
+/// Of all postings; the 99.9 percentile is the largest of those of some millions each.
+Result<measure::VerticalError> check(const SurfaceMesh& mesh, const Rasters& rasters, const World& world,
+                                     const measure::VerticalOptions& options) {
+  measure::VerticalError all;
+  const auto done = visit_postings(rasters, world, [&](std::span<const Vec3d> postings) {
+    const measure::VerticalError some = measure::vertical_error(mesh, postings, options);
+    all.postings += some.postings;
+    all.uncovered += some.uncovered;
+    all.within_slack += some.within_slack;
+    all.beyond += some.beyond;
+    all.max_m = std::max(all.max_m, some.max_m);
+    all.p999_m = std::max(all.p999_m, some.p999_m);
+  });
+  if (!done) return fail(done.error());
+  return all;
 }
 
 Result<Rasters> open_all(const std::vector<std::string>& paths) {
@@ -133,8 +154,6 @@ Result<void> check_cuts(const Settings& s, Table& table) {
   if (!cut) return fail(cut.error());
   const Directory& d = (*cut)->directory();
   const World world = world_of(d);
-  const auto postings = postings_of(*rasters, world);
-  if (!postings) return fail(postings.error());
   const ErrorScale scale = ErrorScale::uniform(d.grid);
   for (const double error_m : s.errors_m) {
     const double start_ms = clock_ms();
@@ -143,9 +162,10 @@ Result<void> check_cuts(const Settings& s, Table& table) {
     const auto mesh = extract_mesh((*cut)->draw_list(), {false, false});
     if (!mesh) return fail(mesh.error());
     const double seconds = (clock_ms() - start_ms) / 1000;
-    const auto found = measure::vertical_error(
-        *mesh, *postings, {.up = world.up, .bound_m = error_m, .slack_m = d.grid.snap_error()});
-    table.add("cuesta", error_m, report.achieved + d.grid.snap_error(), mesh->triangles.size(), found,
+    const auto found =
+        check(*mesh, *rasters, world, {.up = world.up, .bound_m = error_m, .slack_m = d.grid.snap_error()});
+    if (!found) return fail(found.error());
+    table.add("cuesta", error_m, report.achieved + d.grid.snap_error(), mesh->triangles.size(), *found,
               seconds);
   }
   return {};
@@ -164,10 +184,10 @@ Result<Field> field_of(const HeightRaster& raster) {
     return fail(ErrorCode::invalid_input, info.files.front(), "",
                 fmt::format("the baselines take 2 to {} postings a side, found {} x {}", most, info.width,
                             info.height));
-  const auto heights_m = heights_of(raster);
-  if (!heights_m) return fail(heights_m.error());
+  std::vector<double> heights_m(info.width * info.height);
+  if (auto r = raster.read({0, 0, info.width, info.height}, heights_m); !r) return fail(r.error());
   Field field;
-  for (const double h : *heights_m) {
+  for (const double h : heights_m) {
     if (std::isnan(h))
       return fail(ErrorCode::invalid_input, info.files.front(), "",
                   "the baselines take no postings without data");
@@ -183,25 +203,29 @@ Result<void> run_baselines(const Settings& s, Table& table) {
   if (!rasters) return fail(rasters.error());
   const auto field = field_of(*rasters->front());
   if (!field) return fail(field.error());
-  auto postings = postings_of(*rasters, plane_of_rasters());
-  if (!postings) return fail(postings.error());
+  const World world = plane_of_rasters();
   SurfaceMesh mesh;
-  mesh.positions = *postings;
-  const auto check = [&](const char* method, double error_m, double seconds) {
-    const auto found = measure::vertical_error(mesh, *postings, {.bound_m = error_m});
-    table.add(method, error_m, error_m, mesh.triangles.size(), found, seconds);
+  const auto positions = visit_postings(*rasters, world, [&](std::span<const Vec3d> postings) {
+    mesh.positions.insert(mesh.positions.end(), postings.begin(), postings.end());
+  });
+  if (!positions) return positions;
+  const auto add = [&](const char* method, double error_m, double seconds) -> Result<void> {
+    const auto found = check(mesh, *rasters, world, {.bound_m = error_m});
+    if (!found) return fail(found.error());
+    table.add(method, error_m, error_m, mesh.triangles.size(), *found, seconds);
+    return {};
   };
   for (const double error_m : s.errors_m) {
     const double start_ms = clock_ms();
     mesh.triangles = baselines::greedy_delaunay(field->grid, error_m);
-    check("delaunay", error_m, (clock_ms() - start_ms) / 1000);
+    if (auto r = add("delaunay", error_m, (clock_ms() - start_ms) / 1000); !r) return r;
   }
   if (!baselines::RightTriangles::takes(field->grid.columns, field->grid.rows)) return {};
   double start_ms = clock_ms();
   const baselines::RightTriangles tree(field->grid);
   for (const double error_m : s.errors_m) {
     mesh.triangles = tree.cut(error_m);
-    check("right_triangles", error_m, (clock_ms() - start_ms) / 1000);
+    if (auto r = add("right_triangles", error_m, (clock_ms() - start_ms) / 1000); !r) return r;
     start_ms = clock_ms();
   }
   return {};
