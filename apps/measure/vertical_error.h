@@ -43,8 +43,8 @@ struct VerticalError {
 /// sides of an edge decide by the same bits. Triangles that are vertical cover nothing but what is within
 /// slack_m.
 /// @pre  is_consistent(mesh), all its corners finite; fewer than 2^32 postings.
-/// @cost 10^7 postings under 5·10^6 triangles: 7 s of processor time, 20 bytes per posting; frames on the globe
-/// take 24 more
+/// @cost 10^7 postings under 5·10^6 triangles: 7 s of processor time, 20 bytes per posting; frames on the
+/// globe take 24 more
 ///       per posting and vertex, and a call of `up` each.
 VerticalError vertical_error(const SurfaceMesh& mesh, std::span<const Vec3d> postings_m,
                              const VerticalOptions& options = {});

@@ -42,6 +42,22 @@ std::vector<double> heights_of(const std::filesystem::path& path) {
   return heights_m;
 }
 
+/// A raster with its rows as they are, said to run from the south.
+class SouthernFirst : public HeightRaster {
+ public:
+  explicit SouthernFirst(std::shared_ptr<const HeightRaster> raster)
+      : HeightRaster(raster->info()), raster_(std::move(raster)) {
+    info_.map.y_per_row = -info_.map.y_per_row;
+  }
+  std::uint64_t memory_bytes() const override { return raster_->memory_bytes(); }
+
+ private:
+  Result<void> read_window(const Window& window, std::span<double> heights) const override {
+    return raster_->read(window, heights);
+  }
+  std::shared_ptr<const HeightRaster> raster_;
+};
+
 /// A slope of 3 m per column and -2 m per row.
 Relief slope(std::uint64_t side) {
   return {side, [=](std::uint64_t first, std::span<double> heights_m) -> Result<void> {
@@ -133,6 +149,23 @@ TEST(ReliefOf, is_the_middle_square_of_a_raster_without_its_voids) {
   std::vector<double> heights_m(4);
   ASSERT_TRUE(relief->read(0, heights_m));
   EXPECT_EQ(heights_m, (std::vector<double>{2, 3, 6, 0}));
+}
+
+TEST(ReliefOf, is_the_asked_square_counted_from_the_north) {
+  const TerrainFile file;
+  // Two columns, three rows; with rows from the south in the file, 5 6 is the northernmost.
+  const std::int16_t samples[6] = {1, 2, 3, 4, 5, 6};
+  std::ofstream(file.path(), std::ios::binary).write(reinterpret_cast<const char*>(samples), sizeof samples);
+  std::shared_ptr<const HeightRaster> raster =
+      open_height_raster(file.path(), {.width = 2, .height = 3}).value();
+  std::vector<double> heights_m(4);
+  ASSERT_TRUE(relief_of(raster, Square{0, 1, 2})->read(0, heights_m));
+  EXPECT_EQ(heights_m, (std::vector<double>{3, 4, 5, 6}));
+  raster = std::make_shared<SouthernFirst>(raster);
+  ASSERT_TRUE(relief_of(raster, Square{0, 0, 2})->read(0, heights_m));
+  EXPECT_EQ(heights_m, (std::vector<double>{5, 6, 3, 4}));
+  EXPECT_EQ(relief_of(raster, Square{0, 2, 2}).error().code, ErrorCode::invalid_input);
+  EXPECT_EQ(relief_of(raster, Square{0, 0, 3}).error().code, ErrorCode::invalid_input);
 }
 
 TEST(GradientNoiseRow, is_smooth_bounded_and_has_no_seams) {

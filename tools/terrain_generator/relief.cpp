@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 
 #include "tools/terrain_generator/fractal_rows.h"
 
@@ -36,18 +37,32 @@ std::array<std::uint64_t, 4> around(std::uint64_t i, std::uint64_t side) {
   return {i > 0 ? i - 1 : 0, i, i + 1, std::min(i + 2, side - 1)};
 }
 
+/// The last row first.
+void turn_rows(std::span<double> heights_m, std::uint64_t width) {
+  const std::uint64_t rows = heights_m.size() / width;
+  for (std::uint64_t r = 0; r < rows / 2; ++r)
+    std::swap_ranges(heights_m.begin() + static_cast<std::ptrdiff_t>(r * width),
+                     heights_m.begin() + static_cast<std::ptrdiff_t>((r + 1) * width),
+                     heights_m.begin() + static_cast<std::ptrdiff_t>((rows - 1 - r) * width));
+}
+
 }  // namespace
 
-Result<Relief> relief_of(std::shared_ptr<const HeightRaster> raster) {
+Result<Relief> relief_of(std::shared_ptr<const HeightRaster> raster, std::optional<Square> square) {
   const RasterInfo& info = raster->info();
-  const std::uint64_t side = std::min(info.width, info.height);
-  if (side < 2)
+  const std::uint64_t most = std::min(info.width, info.height);
+  const Square s = square.value_or(Square{(info.width - most) / 2, (info.height - most) / 2, most});
+  if (s.side < 2 || s.side > most || s.column > info.width - s.side || s.row > info.height - s.side)
     return fail(ErrorCode::invalid_input, info.files.front(), "",
-                "a relief needs two rows and columns at least");
-  const std::uint64_t column = (info.width - side) / 2, row = (info.height - side) / 2;
-  return Relief{side, [=](std::uint64_t first, std::span<double> heights_m) -> Result<void> {
-                  const Window window{column, row + first, side, heights_m.size() / side};
+                "a relief needs a square of two rows and columns at least in these " +
+                    std::to_string(info.width) + " x " + std::to_string(info.height) + " postings");
+  const bool southern_first = info.map.y_per_row > 0;
+  return Relief{s.side, [=](std::uint64_t first, std::span<double> heights_m) -> Result<void> {
+                  const std::uint64_t rows = heights_m.size() / s.side, height = raster->info().height;
+                  Window window{s.column, s.row + first, s.side, rows};
+                  if (southern_first) window.row = height - window.row - rows;
                   if (auto r = raster->read(window, heights_m); !r) return r;
+                  if (southern_first) turn_rows(heights_m, s.side);
                   std::replace_if(
                       heights_m.begin(), heights_m.end(), [](double h) { return std::isnan(h); }, 0.0);
                   return {};

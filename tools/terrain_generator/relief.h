@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,9 +20,15 @@ struct Relief {
   std::function<Result<void>(std::uint64_t first, std::span<double> heights_m)> read;
 };
 
-/// The largest square in the middle of a raster; postings without data are at 0 m.
-/// @error invalid_input: fewer than 2 rows or columns.
-Result<Relief> relief_of(std::shared_ptr<const HeightRaster> raster);  // shared: relief.read keeps it open
+/// Postings of a raster whose rows are counted from the north, whatever the file's order.
+struct Square {
+  std::uint64_t column = 0, row = 0, side = 0;
+};
+
+/// A square of a raster, by default the largest in its middle; postings without data are at 0 m.
+/// @error invalid_input: a side below 2, or a square that is not in the raster.
+Result<Relief> relief_of(std::shared_ptr<const HeightRaster> raster,  // shared: relief.read keeps it open
+                         std::optional<Square> square = {});
 
 /// Mountains up to about 2500 m, with valleys, a third of the side wide.
 Relief made_up_relief(std::uint64_t side, std::uint64_t seed);
