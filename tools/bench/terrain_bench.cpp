@@ -7,27 +7,27 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <functional>
 #include <limits>
 #include <memory>
 
 #include "apps/measure/vertical_error.h"
 #include "runtime/cut.h"
 #include "runtime/extract.h"
-#include "terrain/height_raster.h"
 #include "tools/baselines/greedy_delaunay.h"
 #include "tools/baselines/right_triangles.h"
+#include "tools/bench/terrain_world.h"
 
 namespace {
 
 using namespace cuesta;
-using Rasters = std::vector<std::unique_ptr<HeightRaster>>;
+using bench::open_rasters, bench::Rasters, bench::TerrainWorld;
 
 struct Settings {
   std::string file;  ///< .cuesta
   std::vector<std::string> rasters;
   std::vector<double> errors_m{5, 10, 20, 50};
   std::string csv;     ///< "": none
+  std::string geoid;   ///< "": the one that the file names
   bool holes = false;  ///< uncovered postings are not a failure
 };
 
@@ -74,54 +74,11 @@ class Table {
   std::uint64_t beyond_ = 0, uncovered_ = 0;
 };
 
-/// Where the postings of rasters are in the world of a surface, and where up is there.
-struct World {
-  std::function<Vec3d(const HeightRaster& raster, double column, double row, double height_m)> position;
-  measure::UpAt up;
-};
-
-/// x and y as in the rasters' own system, z the height.
-World plane_of_rasters() {
-  return {[](const HeightRaster& raster, double column, double row, double height_m) {
-            const PostingMap& map = raster.info().map;
-            return Vec3d{map.x(column, row), map.y(column, row), height_m};
-          },
-          {}};
-}
-
-/// A file does not say which frame it is in: it is on the plane of its rasters.
-World world_of(const Directory&) {
-  return plane_of_rasters();
-}
-
-/// Postings of whole rows, some millions at a time: those of all rasters need not fit in memory.
-Result<void> visit_postings(const Rasters& rasters, const World& world,
-                            const std::function<void(std::span<const Vec3d>)>& visit) {
-  constexpr std::uint64_t most_postings = std::uint64_t{1} << 23;
-  std::vector<double> heights_m;
-  std::vector<Vec3d> postings;
-  for (const auto& raster : rasters) {
-    const std::uint64_t width = raster->info().width, height = raster->info().height;
-    const std::uint64_t band = std::clamp<std::uint64_t>(most_postings / width, 1, height);
-    for (std::uint64_t first = 0; first < height; first += band) {
-      const Window window{0, first, width, std::min(band, height - first)};
-      heights_m.resize(window.width * window.height);
-      if (auto r = raster->read(window, heights_m); !r) return r;
-      postings.clear();
-      for (std::size_t i = 0; i < heights_m.size(); ++i)
-        postings.push_back(world.position(*raster, static_cast<double>(i % width),
-                                          static_cast<double>(first + i / width), heights_m[i]));
-      visit(postings);
-    }
-  }
-  return {};
-}
-
 /// Of all postings; the 99.9 percentile is the largest of those of some millions each.
-Result<measure::VerticalError> check(const SurfaceMesh& mesh, const Rasters& rasters, const World& world,
+Result<measure::VerticalError> check(const SurfaceMesh& mesh, const TerrainWorld& world,
                                      const measure::VerticalOptions& options) {
   measure::VerticalError all;
-  const auto done = visit_postings(rasters, world, [&](std::span<const Vec3d> postings) {
+  const auto done = world.visit_postings([&](std::span<const Vec3d> postings) {
     const measure::VerticalError some = measure::vertical_error(mesh, postings, options);
     all.postings += some.postings;
     all.uncovered += some.uncovered;
@@ -134,26 +91,17 @@ Result<measure::VerticalError> check(const SurfaceMesh& mesh, const Rasters& ras
   return all;
 }
 
-Result<Rasters> open_all(const std::vector<std::string>& paths) {
-  Rasters rasters;
-  for (const std::string& path : paths) {
-    auto raster = open_height_raster(path);
-    if (!raster) return fail(raster.error());
-    rasters.push_back(std::move(*raster));
-  }
-  return rasters;
-}
-
 /// Uniform cuts as `cuesta export --error` makes them: an error asked for includes what snapping took.
 Result<void> check_cuts(const Settings& s, Table& table) {
-  const auto rasters = open_all(s.rasters);
+  const auto rasters = open_rasters(s.rasters);
   if (!rasters) return fail(rasters.error());
   auto file = CuestaFile::open(s.file);
   if (!file) return fail(file.error());
   const auto cut = Cut::open(std::move(*file), std::numeric_limits<std::uint64_t>::max(), clock_ms);
   if (!cut) return fail(cut.error());
   const Directory& d = (*cut)->directory();
-  const World world = world_of(d);
+  const auto world = TerrainWorld::of(d.metadata, *rasters, s.geoid);
+  if (!world) return fail(world.error());
   const ErrorScale scale = ErrorScale::uniform(d.grid);
   for (const double error_m : s.errors_m) {
     const double start_ms = clock_ms();
@@ -163,7 +111,7 @@ Result<void> check_cuts(const Settings& s, Table& table) {
     if (!mesh) return fail(mesh.error());
     const double seconds = (clock_ms() - start_ms) / 1000;
     const auto found =
-        check(*mesh, *rasters, world, {.up = world.up, .bound_m = error_m, .slack_m = d.grid.snap_error()});
+        check(*mesh, *world, {.up = world->up(), .bound_m = error_m, .slack_m = d.grid.snap_error()});
     if (!found) return fail(found.error());
     table.add("cuesta", error_m, report.achieved + d.grid.snap_error(), mesh->triangles.size(), *found,
               seconds);
@@ -199,18 +147,18 @@ Result<Field> field_of(const HeightRaster& raster) {
 }
 
 Result<void> run_baselines(const Settings& s, Table& table) {
-  const auto rasters = open_all(s.rasters);
+  const auto rasters = open_rasters(s.rasters);
   if (!rasters) return fail(rasters.error());
   const auto field = field_of(*rasters->front());
   if (!field) return fail(field.error());
-  const World world = plane_of_rasters();
+  const TerrainWorld world = TerrainWorld::plane(*rasters);
   SurfaceMesh mesh;
-  const auto positions = visit_postings(*rasters, world, [&](std::span<const Vec3d> postings) {
+  const auto positions = world.visit_postings([&](std::span<const Vec3d> postings) {
     mesh.positions.insert(mesh.positions.end(), postings.begin(), postings.end());
   });
   if (!positions) return positions;
   const auto add = [&](const char* method, double error_m, double seconds) -> Result<void> {
-    const auto found = check(mesh, *rasters, world, {.bound_m = error_m});
+    const auto found = check(mesh, world, {.bound_m = error_m});
     if (!found) return fail(found.error());
     table.add(method, error_m, error_m, mesh.triangles.size(), *found, seconds);
     return {};
@@ -252,6 +200,8 @@ int main(int argc, char** argv) {
   CLI::App* guarantee = app.add_subcommand("guarantee", "uniform cuts of a .cuesta file");
   guarantee->add_option("FILE", s.file, ".cuesta that was built from the rasters")->required();
   guarantee->add_flag("--holes", s.holes, "postings without a surface are counted, but no failure");
+  guarantee->add_option("--geoid", s.geoid,
+                        "where heights must be converted; default: the one that FILE names");
   CLI::App* others =
       app.add_subcommand("baselines", "greedy Delaunay insertion, right triangles if sides are 2^k + 1");
   for (CLI::App* command : {guarantee, others}) {
