@@ -17,7 +17,7 @@
 namespace cuesta::measure {
 namespace {
 
-constexpr double uncovered = -1;
+constexpr double uncovered = -1;  // a distance that is not known
 using Range = tbb::blocked_range<std::size_t>;
 using Corners = std::array<std::uint32_t, 3>;
 
@@ -50,6 +50,7 @@ std::optional<double> height_m(const Upright& line, const SurfaceMesh& mesh, con
 /// slack_m.
 std::optional<double> height_within(const Upright& line, const SurfaceMesh& mesh, const Corners& t,
                                     double slack_m) {
+  if (const auto height = height_m(line, mesh, t)) return height;
   const auto flattened = [&](Vec3d v) { return v - line.up * dot(line.up, v); };
   double nearest = slack_m;
   std::optional<double> height;
@@ -66,10 +67,13 @@ std::optional<double> height_within(const Upright& line, const SurfaceMesh& mesh
   return height;
 }
 
-void raise(double& distance, double candidate) {
+/// shared = better(shared, candidate) ? candidate : shared, for any number of threads.
+template <class Better>
+void improve(double& distance, double candidate, const Better& better) {
   std::atomic_ref<double> shared(distance);
   double seen = shared.load(std::memory_order_relaxed);
-  while (seen < candidate && !shared.compare_exchange_weak(seen, candidate, std::memory_order_relaxed)) {
+  while (better(candidate, seen) &&
+         !shared.compare_exchange_weak(seen, candidate, std::memory_order_relaxed)) {
   }
 }
 
@@ -79,25 +83,23 @@ class Checker {
       : mesh_(mesh),
         postings_m_(postings_m),
         posting_up_(ups(postings_m, up)),
-        corner_up_(ups(mesh.positions, up)) {
-    distances_m_.assign(postings_m.size(), uncovered);
+        corner_up_(ups(mesh.positions, up)) {}
+
+  /// Into distances_m, for `ids`: the largest distance along their up lines.
+  void measure_exactly(std::span<const std::uint32_t> ids, std::vector<double>& distances_m) const {
+    visit_pairs(ids, 0, [&](const Upright& line, const Corners& t, std::uint32_t id) {
+      if (const auto h = height_m(line, mesh_, t))
+        improve(distances_m[id], std::abs(*h), [](double a, double b) { return a > b; });
+    });
   }
 
-  /// Largest vertical distance of each posting, or `uncovered`.
-  const std::vector<double>& distances_m() const { return distances_m_; }
-
-  /// Looks for triangles over or under `ids`, with slack: beside them.
-  void cover(std::span<const std::uint32_t> ids, double slack_m) {
-    const PostingBins bins(postings_m_, posting_up_, ids);
-    tbb::parallel_for(Range(0, mesh_.triangles.size(), 1024), [&](const Range& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i) {
-        const Corners& t = mesh_.triangles[i];
-        bins.visit_near(upright(t), slack_m, [&](std::uint32_t id) {
-          const Upright line{postings_m_[id], posting_up_.empty() ? Vec3d{0, 0, 1} : posting_up_[id]};
-          const auto h = slack_m > 0 ? height_within(line, mesh_, t, slack_m) : height_m(line, mesh_, t);
-          if (h) raise(distances_m_[id], std::abs(*h));
-        });
-      }
+  /// The same with slack: the least distance of the triangles within it.
+  void measure_with_slack(std::span<const std::uint32_t> ids, double slack_m,
+                          std::vector<double>& distances_m) const {
+    for (const std::uint32_t id : ids) distances_m[id] = uncovered;
+    visit_pairs(ids, slack_m, [&](const Upright& line, const Corners& t, std::uint32_t id) {
+      if (const auto h = height_within(line, mesh_, t, slack_m))
+        improve(distances_m[id], std::abs(*h), [](double a, double b) { return a < b || b == uncovered; });
     });
   }
 
@@ -118,37 +120,49 @@ class Checker {
     return out;
   }
 
+  /// visit(line, triangle, id) for all that may meet, in parallel over triangles.
+  template <class Visit>
+  void visit_pairs(std::span<const std::uint32_t> ids, double slack_m, const Visit& visit) const {
+    const PostingBins bins(postings_m_, posting_up_, ids);
+    tbb::parallel_for(Range(0, mesh_.triangles.size(), 1024), [&](const Range& range) {
+      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+        const Corners& t = mesh_.triangles[i];
+        bins.visit_near(upright(t), slack_m, [&](std::uint32_t id) {
+          visit(Upright{postings_m_[id], posting_up_.empty() ? Vec3d{0, 0, 1} : posting_up_[id]}, t, id);
+        });
+      }
+    });
+  }
+
   const SurfaceMesh& mesh_;
   std::span<const Vec3d> postings_m_;
   std::vector<Vec3d> posting_up_, corner_up_;
-  std::vector<double> distances_m_;
 };
 
 bool is_finite(Vec3d p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-VerticalError summary(std::span<const std::uint32_t> ids, const std::vector<double>& distances_m,
-                      double bound_m) {
-  VerticalError error;
-  error.postings = ids.size();
+VerticalDeviation summary(std::span<const std::uint32_t> ids, const std::vector<double>& distances_m,
+                          double bound_m) {
+  VerticalDeviation all;
   std::vector<double> covered;
   covered.reserve(ids.size());
   for (const std::uint32_t id : ids) {
     const double d = distances_m[id];
     if (d == uncovered) {
-      ++error.uncovered;
+      ++all.uncovered;
       continue;
     }
-    if (covered.empty() || d > error.max_m) {
-      error.max_m = d;
-      error.worst = id;
+    if (covered.empty() || d > all.max_m) {
+      all.max_m = d;
+      all.worst = id;
     }
-    error.beyond += d > bound_m;
+    all.beyond += d > bound_m;
     covered.push_back(d);
   }
-  error.p999_m = percentiles(std::move(covered)).p999;
-  return error;
+  all.p999_m = percentiles(std::move(covered)).p999;
+  return all;
 }
 
 }  // namespace
@@ -161,15 +175,19 @@ VerticalError vertical_error(const SurfaceMesh& mesh, std::span<const Vec3d> pos
   ids.reserve(postings_m.size());
   for (std::uint32_t i = 0; i < postings_m.size(); ++i)
     if (is_finite(postings_m[i])) ids.push_back(i);
-  Checker checker(mesh, postings_m, options.up);
-  checker.cover(ids, 0);
-  std::vector<std::uint32_t> missed;
-  if (options.slack_m > 0)
-    std::copy_if(ids.begin(), ids.end(), std::back_inserter(missed),
-                 [&](std::uint32_t id) { return checker.distances_m()[id] == uncovered; });
-  if (!missed.empty()) checker.cover(missed, options.slack_m);
-  VerticalError error = summary(ids, checker.distances_m(), options.bound_m);
-  if (!missed.empty()) error.within_slack = missed.size() - error.uncovered;
+  const Checker checker(mesh, postings_m, options.up);
+  std::vector<double> distances_m(postings_m.size(), uncovered);
+  checker.measure_exactly(ids, distances_m);
+  VerticalError error;
+  error.postings = ids.size();
+  error.exact = error.with_slack = summary(ids, distances_m, options.bound_m);
+  if (options.slack_m == 0) return error;
+  std::vector<std::uint32_t> doubtful;
+  std::copy_if(ids.begin(), ids.end(), std::back_inserter(doubtful), [&](std::uint32_t id) {
+    return distances_m[id] == uncovered || distances_m[id] > options.bound_m;
+  });
+  checker.measure_with_slack(doubtful, options.slack_m, distances_m);
+  error.with_slack = summary(ids, distances_m, options.bound_m);
   return error;
 }
 

@@ -21,22 +21,28 @@ struct VerticalOptions {
   UpAt up = {};
   double bound_m =
       std::numeric_limits<double>::infinity();  ///< postings farther from the surface are counted
-  /// A posting that the surface misses by no more than this horizontally is taken as covered: snapping to a
-  /// grid moves the outermost vertices inwards. Cracks as narrow are not found then.
+  /// How far the surface may have been moved horizontally, as by snapping to a grid: that uncovers postings
+  /// at the rim, and puts others under the next triangle, which may be steep. 0: not at all.
   double slack_m = 0;
 };
 
 inline constexpr double most_height_m = 12'000;
 
-/// The vertical distance of a posting is that along the up line through it. Where the line meets several
-/// triangles the farthest counts, so folds do not hide errors.
+struct VerticalDeviation {
+  std::uint64_t uncovered = 0;   ///< neither above nor below these postings is a triangle: a hole or a crack
+  std::uint64_t beyond = 0;      ///< covered, but farther than bound_m
+  double max_m = 0, p999_m = 0;  ///< of the covered; zeros if there are none
+  std::uint64_t worst = 0;       ///< the first posting that attains max_m
+};
+
 struct VerticalError {
-  std::uint64_t postings = 0;      ///< that are finite; the others are no data
-  std::uint64_t uncovered = 0;     ///< neither above nor below them is a triangle: a hole or a crack
-  std::uint64_t within_slack = 0;  ///< covered only thanks to slack_m
-  std::uint64_t beyond = 0;        ///< covered, but farther than bound_m
-  double max_m = 0, p999_m = 0;    ///< of the covered; zeros if there are none
-  std::uint64_t worst = 0;         ///< the first posting that attains max_m
+  std::uint64_t postings = 0;  ///< that are finite; the others are no data
+  /// Along the up line through the posting itself. Where it meets several triangles the farthest counts, so
+  /// folds do not hide errors.
+  VerticalDeviation exact;
+  /// Of postings that are uncovered or beyond: along the nearest line within slack_m on each triangle there,
+  /// and of these the best counts. A crack as narrow as that is not found. Without slack the same as `exact`.
+  VerticalDeviation with_slack;
 };
 
 /// Watertight: a posting over an edge or a vertex between triangles is over one of them at least, as both
