@@ -10,6 +10,7 @@
 #include "terrain/mosaic_datums.h"
 #include "terrain/mosaic_field.h"
 #include "terrain/mosaic_layers.h"
+#include "terrain/mosaic_seams.h"
 
 namespace cuesta {
 namespace {
@@ -53,6 +54,34 @@ Result<void> check_options(std::span<const std::filesystem::path> files, const M
   return {};
 }
 
+/// Makes covered postings of a window NaN. @return how many had a height.
+std::uint64_t take_away(const LayerCover& cover, std::uint64_t around, const Window& window,
+                        std::span<double> heights) {
+  std::uint64_t taken = 0;
+  const auto take = [&](std::uint64_t row, std::uint64_t begin, std::uint64_t end) {
+    const std::uint64_t last = std::min(end, window.column + window.width);
+    for (std::uint64_t c = std::max(begin, window.column); c < last; ++c) {
+      double& height = heights[row * window.width + c - window.column];
+      taken += !std::isnan(height);
+      height = std::numeric_limits<double>::quiet_NaN();
+    }
+  };
+  for (std::uint64_t r = 0; r < window.height; ++r) {
+    for (const PostingRun& run : cover.covered.row(window.row + r)) {
+      std::uint64_t begin = cover.part.column + run.begin, end = cover.part.column + run.end;
+      if (around != 0 && begin >= around) {
+        begin -= around;
+        end -= around;
+      }
+      take(r, begin, end);
+      if (around == 0) continue;
+      if (end > around) take(r, 0, end - around);
+      take(r, begin + around, end + around);
+    }
+  }
+  return taken;
+}
+
 }  // namespace
 
 struct Mosaic::State {
@@ -60,7 +89,7 @@ struct Mosaic::State {
       : field(options, {std::max(1u, options.most_open_files), options.cache_bytes}) {}
 
   MosaicField field;
-  std::vector<SeamTriangle> seams = {};
+  MosaicSeams joined = {};
   double vertical_quantum_m = 0;
   std::vector<std::string> warnings = {};
 };
@@ -89,6 +118,14 @@ Result<Mosaic> Mosaic::open(std::span<const std::filesystem::path> files, const 
   CUESTA_TRY(field.place(std::move(*layers), std::move(datums->steps), datums->datum));
   state->vertical_quantum_m = vertical_quantum(std::ranges::min(infos, {}, vertical_quantum));
   state->warnings = warnings_of(infos, std::move(datums->warnings));
+  if (field.layers().size() > 1) {
+    auto joined = join_layers(field);
+    if (!joined) return fail(std::move(joined).error());
+    state->joined = std::move(*joined);
+    if (const auto lost = state->joined.lost_segments; lost > 0)
+      state->warnings.push_back(
+          fmt::format("{} edges between layers cross others; there may be small cracks", lost));
+  }
   return Mosaic(std::move(state));
 }
 
@@ -118,6 +155,8 @@ Result<void> Mosaic::read(std::uint32_t layer_number, const Window& window, std:
   if (heights.empty()) return {};
   MosaicCounts here;
   CUESTA_TRY(state_->field.read(layer_number, window, heights, here));
+  if (!state_->joined.covers.empty())
+    here.covered = take_away(state_->joined.covers[layer_number], layer.columns_around, window, heights);
   here.heights = static_cast<std::uint64_t>(
       std::ranges::count_if(heights, [](double height) { return !std::isnan(height); }));
   if (counts) *counts += here;
@@ -125,7 +164,7 @@ Result<void> Mosaic::read(std::uint32_t layer_number, const Window& window, std:
 }
 
 std::span<const SeamTriangle> Mosaic::seams() const {
-  return state_->seams;
+  return state_->joined.seams;
 }
 
 VerticalDatum Mosaic::heights() const {
@@ -147,7 +186,10 @@ const std::vector<std::string>& Mosaic::warnings() const {
 }
 
 std::uint64_t Mosaic::memory_bytes() const {
-  return state_->field.rasters().memory_bytes() + state_->seams.size() * sizeof(SeamTriangle);
+  std::uint64_t bytes =
+      state_->field.rasters().memory_bytes() + state_->joined.seams.size() * sizeof(SeamTriangle);
+  for (const LayerCover& cover : state_->joined.covers) bytes += cover.covered.memory_bytes();
+  return bytes;
 }
 
 }  // namespace cuesta
