@@ -322,7 +322,7 @@ std::vector<GridPoint> with_surroundings(std::span<const GridPoint> points) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y)};
   }
-  const std::int64_t size = 4 * (std::max(high.x - low.x, high.y - low.y) + 1);
+  const std::int64_t size = 1024 * (std::max(high.x - low.x, high.y - low.y) + 1);
   const GridPoint middle{low.x + (high.x - low.x) / 2, low.y + (high.y - low.y) / 2};
   std::vector<GridPoint> all{{middle.x - 2 * size, middle.y - size},
                              {middle.x + 2 * size, middle.y - size},

@@ -13,7 +13,7 @@
 
 namespace cuesta {
 
-/// Whole coordinates, x to the right and y up, each within ±2^60.
+/// Whole coordinates, x to the right and y up, each within ±2^48.
 struct GridPoint {
   std::int64_t x = 0, y = 0;
   bool operator==(const GridPoint&) const = default;
@@ -33,8 +33,8 @@ struct Triangulation {
 };
 
 /// @param segments  pairs of indices of points. @pre no two points are equal.
-/// @return triangles over the points' convex hull; those along its rim may be missing where they are very
-/// flat.
+/// @return triangles over the points' convex hull, but for flat ones along its rim, of less than 1/100 of its
+/// area.
 /// @cost  O(n √n) for n points that are spread out, near to O(n) along lines; 100 bytes a point.
 Triangulation triangulate(std::span<const GridPoint> points,
                           std::span<const std::array<std::uint32_t, 2>> segments);

@@ -18,9 +18,10 @@ std::uint64_t mixed(std::uint64_t seed, std::uint64_t value) {
 /// Takes rows of postings from the north, and adds the edges of cells that have a triangle on one side only.
 class CellRows {
  public:
-  CellRows(const LayerPart& part, std::uint64_t columns_around, Outline& outline)
+  CellRows(const LayerPart& part, std::uint64_t columns_around, const PostingRuns& covered, Outline& outline)
       : part_(part),
         around_(columns_around),
+        covered_(covered),
         cells_(part.is_closed ? part.width : part.width - 1),
         outline_(outline),
         north_(part.width, 0),
@@ -40,17 +41,38 @@ class CellRows {
     }
     for (std::uint64_t c = 0; c < part_.width; ++c) {  // between the rows
       if (!north_[c] || !south[c]) continue;
-      const char west = c > 0 ? cells[c - 1] : part_.is_closed ? cells[part_.width - 1] : char{0};
+      const char west = cells[west_of(c)];
       if (west == cells[c]) continue;
       add(west ? OutlineEdge{ref(c, 1), ref(c, 0)} : OutlineEdge{ref(c, 0), ref(c, 1)});
+    }
+    for (std::uint64_t c = 0; c < part_.width; ++c) {
+      const bool is_loose =
+          north_[c] && !cells_north_[c] && !cells[c] && !cells_north_[west_of(c)] && !cells[west_of(c)];
+      if (is_loose && has_covered_neighbour(c)) loose_.push_back(ref(c, 0));
     }
     north_ = south;
     cells_north_ = std::move(cells);
     ++rows_;
   }
+  std::vector<PostingRef> finish() {
+    add_row(std::vector<char>(part_.width, 0));
+    return std::move(loose_);
+  }
 
  private:
   std::uint64_t east_of(std::uint64_t column) const { return column + 1 == part_.width ? 0 : column + 1; }
+  /// Of a part that does not close, cells of the last column have no triangles: it may stand for one before
+  /// the first.
+  std::uint64_t west_of(std::uint64_t column) const { return column == 0 ? part_.width - 1 : column - 1; }
+  bool has_covered_neighbour(std::uint64_t column) const {
+    const std::uint64_t row = part_.row + rows_ - 1;
+    for (const std::uint64_t r : {row - 1, row, row + 1}) {
+      for (const std::uint64_t c : {west_of(column), column, east_of(column)}) {
+        if (covered_.contains(c, r)) return true;
+      }
+    }
+    return false;
+  }
   /// @param south  0: of the row before, 1: of the one that is added.
   PostingRef ref(std::uint64_t column, std::uint64_t south) const {
     const std::uint64_t c = part_.column + column;
@@ -66,9 +88,12 @@ class CellRows {
   void add(const OutlineEdge& edge) { outline_.add(edge); }
 
   LayerPart part_;
-  std::uint64_t around_, cells_;
+  std::uint64_t around_;
+  const PostingRuns& covered_;
+  std::uint64_t cells_;
   Outline& outline_;
   std::uint64_t rows_ = 0;
+  std::vector<PostingRef> loose_;
   std::vector<char> north_, cells_north_;  // the row before, and the cells north of it
 };
 
@@ -110,8 +135,8 @@ std::vector<OutlineEdge> Outline::edges() const {
 
 Result<PartPostings> trace(const MosaicField& field, const LayerPart& part, const PostingRuns& covered,
                            Outline& outline) {
-  PartPostings out{PostingRuns(part.row), PostingRuns(part.row)};
-  CellRows cells(part, field.layers()[part.layer].columns_around, outline);
+  PartPostings out{PostingRuns(part.row), {}};
+  CellRows cells(part, field.layers()[part.layer].columns_around, covered, outline);
   const std::uint64_t rows_at_once = std::max<std::uint64_t>(1, postings_at_once / part.width);
   std::vector<double> heights;
   std::vector<char> bits(part.width);
@@ -125,11 +150,10 @@ Result<PartPostings> trace(const MosaicField& field, const LayerPart& part, cons
       out.with_data.add_row(runs_of(bits));
       for (const PostingRun& run : covered.row(part.row + done + r))
         std::fill(bits.begin() + std::ptrdiff_t(run.begin), bits.begin() + std::ptrdiff_t(run.end), char{0});
-      out.uncovered.add_row(runs_of(bits));
       cells.add_row(bits);
     }
   }
-  cells.add_row(std::vector<char>(part.width, 0));
+  out.loose = cells.finish();
   return out;
 }
 

@@ -36,9 +36,12 @@ class Outline {
   std::unordered_set<OutlineEdge, Hash> edges_;
 };
 
-/// A part of a layer as it is and without what others cover. Columns of runs are counted from the part's own.
+/// What was found in a part of a layer.
 struct PartPostings {
-  PostingRuns with_data, uncovered;
+  PostingRuns with_data;  ///< also where covered; columns are counted from the part's own
+  /// With data, not covered, but in no triangle, beside covered ones: between a surface and the rim there may
+  /// be only one row of them.
+  std::vector<PostingRef> loose;
 };
 
 /// Reads a part once, row by row, and adds the edges of its triangles to the outline. What lies beyond the

@@ -12,7 +12,7 @@ namespace cuesta {
 namespace {
 
 constexpr double box_margin = 16;      // around a part, in spacings: what of the surface so far is looked at
-constexpr double grid_steps = 0x1p52;  // of the plane's extent: what positions are rounded to
+constexpr double grid_steps = 0x1p48;  // of the plane's extent: what positions are rounded to
 
 using Faces = std::vector<DelaunayTriangle>;
 constexpr std::uint32_t none = DelaunayTriangle::none;
@@ -34,15 +34,25 @@ class GapPlane {
     }
   }
 
+  void add(std::span<const PostingRef> postings) {
+    for (const PostingRef& posting : postings) {
+      if (!is_at_pole(posting)) number_of(posting, view_.at(posting));
+    }
+  }
+
   std::span<const std::array<std::uint32_t, 2>> segments() const { return segments_; }
   const PostingRef& posting(std::uint32_t i) const { return postings_[i]; }
   /// In columns and rows of the layer.
   PlanePoint place(std::uint32_t i) const { return places_[i]; }
   bool is_of_layer(std::uint32_t i) const { return postings_[i].layer == part_.layer; }
   double longest_edge_at(std::uint32_t i) const { return longest_[i]; }
+  /// In spacings of the layer. Around a pole, where columns lie close together, in spacings of rows.
   double distance(std::uint32_t i, std::uint32_t j) const {
     const PlanePoint a = places_[i], b = view_.near(places_[j], a);
-    return std::hypot(b.x - a.x, b.y - a.y);
+    const double distance = std::hypot(b.x - a.x, b.y - a.y);
+    if (!part_.is_closed) return distance;
+    const PlanePoint p = around_pole(a, is_north_), q = around_pole(b, is_north_);
+    return std::min(distance, std::hypot(q.x - p.x, q.y - p.y));
   }
   /// In columns and rows of the layer; the columns are some turn's.
   PlanePoint middle(const DelaunayTriangle& face) const {
@@ -50,8 +60,8 @@ class GapPlane {
                      c = view_.near(places_[face.points[2]], a);
     return {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
   }
-  /// Where the points are triangulated, with y to the north, seen from above.
-  std::vector<GridPoint> grid() const;
+  /// When all edges are there: places the points where they are triangulated, seen from above.
+  std::vector<GridPoint> grid();
 
  private:
   bool is_at_pole(const PostingRef& p) const {
@@ -75,6 +85,7 @@ class GapPlane {
     return at->second;
   }
   PlanePoint around_pole(PlanePoint p, bool is_north) const;
+  bool is_better_seen_from_north() const;
 
   struct Hash {
     std::size_t operator()(const PostingRef& p) const {
@@ -89,6 +100,7 @@ class GapPlane {
   std::vector<PlanePoint> places_;
   std::vector<double> longest_;  // edge of the outline at each, at least 1
   std::vector<std::array<std::uint32_t, 2>> segments_;
+  bool is_north_ = true;  // which pole the plane is around, if it is
 };
 
 /// Rows from the pole and the angle of longitude: the plane of a layer that goes around the Earth.
@@ -100,24 +112,23 @@ PlanePoint GapPlane::around_pole(PlanePoint p, bool is_north) const {
   return {rows * std::cos(angle), (is_north ? 1 : -1) * rows * std::sin(angle)};
 }
 
-std::vector<GridPoint> GapPlane::grid() const {
-  std::vector<PlanePoint> plane;
-  bool is_north = true;
-  if (part_.is_closed) {
-    // Seen from the pole that is farther from some point is well: its opposite is a circle there.
-    const auto least_rows = [&](bool north) {
-      double least = HUGE_VAL;
-      for (const PlanePoint p : places_) {
-        const PlanePoint q = around_pole(p, north);
-        least = std::min(least, std::hypot(q.x, q.y));
-      }
-      return least;
-    };
-    is_north = least_rows(false) >= least_rows(true);
+/// The other pole is a circle in the plane: nothing should be near it.
+bool GapPlane::is_better_seen_from_north() const {
+  double north = HUGE_VAL, south = HUGE_VAL;
+  for (const PlanePoint p : places_) {
+    const PlanePoint from_north = around_pole(p, true), from_south = around_pole(p, false);
+    north = std::min(north, std::hypot(from_north.x, from_north.y));
+    south = std::min(south, std::hypot(from_south.x, from_south.y));
   }
+  return south >= north;
+}
+
+std::vector<GridPoint> GapPlane::grid() {
+  std::vector<PlanePoint> plane;
+  is_north_ = part_.is_closed && is_better_seen_from_north();
   double extent = 1;
   for (const PlanePoint p : places_) {
-    plane.push_back(part_.is_closed ? around_pole(p, is_north)
+    plane.push_back(part_.is_closed ? around_pole(p, is_north_)
                                     : PlanePoint{p.x - double(part_.column), double(part_.row) - p.y});
     extent = std::max({extent, std::abs(plane.back().x), std::abs(plane.back().y)});
   }
@@ -167,32 +178,56 @@ double seam_length(const GapPlane& plane, const DelaunayTriangle& face) {
   return longest / scale;
 }
 
-bool has_data_at(const LayerPart& part, std::uint64_t around, const PostingRuns& with_data, PlanePoint p) {
-  double column = std::round(p.x) - double(part.column);
-  if (around != 0) column -= double(around) * std::floor(column / double(around));
-  const double row = std::round(p.y);
-  if (column < 0 || column >= double(part.width) || row < 0) return false;
-  return with_data.contains(static_cast<std::uint64_t>(column), static_cast<std::uint64_t>(row));
+/// What is under the middle of a face.
+class Ground {
+ public:
+  Ground(const LayerPart& part, std::uint64_t around, const PostingRuns& with_data,
+         const PostingRuns& covered)
+      : part_(part), around_(double(around)), with_data_(with_data), covered_(covered) {}
+
+  /// The nearest posting has data.
+  bool has_data(PlanePoint p) const { return is_in(with_data_, std::round(p.x), std::round(p.y)); }
+  /// One of the postings around is covered.
+  bool is_covered(PlanePoint p) const {
+    const double c = std::floor(p.x), r = std::floor(p.y);
+    return is_in(covered_, c, r) || is_in(covered_, c + 1, r) || is_in(covered_, c, r + 1) ||
+           is_in(covered_, c + 1, r + 1);
+  }
+
+ private:
+  bool is_in(const PostingRuns& runs, double column, double row) const {
+    column -= double(part_.column);
+    if (around_ != 0) column -= around_ * std::floor(column / around_);
+    return column >= 0 && column < double(part_.width) && row >= 0 &&
+           runs.contains(static_cast<std::uint64_t>(column), static_cast<std::uint64_t>(row));
+  }
+
+  LayerPart part_;
+  double around_;
+  const PostingRuns &with_data_, &covered_;
+};
+
+/// Whether a face in the gap is seam: one that joins both sides if it is short; others where the layer has
+/// data that it does not show.
+bool is_seam(const GapPlane& plane, const DelaunayTriangle& face, const Ground& ground) {
+  const double length = seam_length(plane, face);
+  const auto of_layer =
+      std::ranges::count_if(face.points, [&](std::uint32_t p) { return plane.is_of_layer(p); });
+  if (of_layer != 0 && of_layer != 3 && length <= longest_seam) return true;
+  if (length > longest_seam_over_data) return false;
+  const PlanePoint middle = plane.middle(face);
+  return ground.has_data(middle) && (of_layer != 3 || ground.is_covered(middle));
 }
 
-/// Faces of the gap: short, and between the two sides or over data of the layer; and such short ones as are
-/// surrounded by what is kept.
-std::vector<bool> choose_faces(const GapPlane& plane, const Faces& faces, const LayerPart& part,
-                               std::uint64_t around, const PostingRuns& with_data) {
+/// Seams, and short faces that are surrounded by them.
+std::vector<bool> choose_faces(const GapPlane& plane, const Faces& faces, const Ground& ground) {
   const std::vector<bool> outside = faces_outside(faces, plane.segments());
   std::vector<bool> chosen(faces.size());
   std::vector<std::uint32_t> others;
   for (std::uint32_t f = 0; f < faces.size(); ++f) {
     if (!outside[f]) continue;
-    const double length = seam_length(plane, faces[f]);
-    if (length > longest_seam_over_data) continue;
-    const auto of_layer =
-        std::ranges::count_if(faces[f].points, [&](std::uint32_t p) { return plane.is_of_layer(p); });
-    const bool joins = of_layer != 0 && of_layer != 3 && length <= longest_seam;
-    if (joins || has_data_at(part, around, with_data, plane.middle(faces[f])))
-      chosen[f] = true;
-    else
-      others.push_back(f);
+    chosen[f] = is_seam(plane, faces[f], ground);
+    if (!chosen[f] && seam_length(plane, faces[f]) <= longest_seam_over_data) others.push_back(f);
   }
   const auto is_solid = [&](std::uint32_t f, std::size_t i) {
     const std::uint32_t beyond = faces[f].across[i];
@@ -215,12 +250,11 @@ LatticeView view_of(const MosaicField& field, const LayerPart& part) {
 }
 
 /// Triangles between the surface so far and the layer, in the order of the triangulation.
-std::vector<SeamTriangle> seams_between(const GapPlane& plane, const LayerPart& part, std::uint64_t around,
-                                        const PostingRuns& with_data, std::uint64_t& lost_segments) {
+std::vector<SeamTriangle> seams_between(GapPlane& plane, const Ground& ground, std::uint64_t& lost_segments) {
   const Triangulation triangulation = triangulate(plane.grid(), plane.segments());
   lost_segments += triangulation.lost_segments;
   const Faces& faces = triangulation.triangles;
-  const std::vector<bool> chosen = choose_faces(plane, faces, part, around, with_data);
+  const std::vector<bool> chosen = choose_faces(plane, faces, ground);
   std::vector<SeamTriangle> out;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     if (!chosen[f]) continue;
@@ -238,7 +272,6 @@ Result<MosaicSeams> join_layers(const MosaicField& field) {
   for (const LayerPart& part : parts_near_others(field.layers())) {
     out.covers.push_back({.part = part});
     if (part.width == 0 || part.height == 0) continue;
-    const std::uint64_t around = field.layers()[part.layer].columns_around;
     const LatticeView view = view_of(field, part);
     const std::vector<OutlineEdge> before = surface.edges();
     if (!before.empty()) out.covers.back().covered = covered_postings(before, view, part);
@@ -246,11 +279,14 @@ Result<MosaicSeams> join_layers(const MosaicField& field) {
     const auto postings = trace(field, part, out.covers.back().covered, rest);
     if (!postings) return fail(postings.error());
     const std::vector<OutlineEdge> edges = rest.edges();
-    if (!before.empty() && !edges.empty()) {
+    if (!before.empty() && !(edges.empty() && postings->loose.empty())) {
       GapPlane plane(view, part);
       plane.add(before);
       plane.add(edges);
-      const auto seams = seams_between(plane, part, around, postings->with_data, out.lost_segments);
+      plane.add(postings->loose);
+      const Ground ground(part, field.layers()[part.layer].columns_around, postings->with_data,
+                          out.covers.back().covered);
+      const auto seams = seams_between(plane, ground, out.lost_segments);
       for (const SeamTriangle& t : seams) {
         for (std::size_t i = 0; i < 3; ++i) surface.add({t[i], t[(i + 1) % 3]});
       }
