@@ -11,6 +11,7 @@
 #include "ooc/read_job.h"
 #include "ooc/text_cursor.h"
 #include "terrain/block_raster.h"
+#include "terrain/esri_sidecars.h"
 #include "terrain/raster_readers.h"
 
 namespace cuesta {
@@ -99,17 +100,6 @@ Result<RasterInfo> info_of(const RasterFile& file, const Head& head) {
   info.meaning.no_data = {head.get("nodata_value", -9999)};
   info.files = {file.path.string()};
   return info;
-}
-
-/// Coordinates of the .prj beside it, if there is one: well-known text.
-void read_prj(const RasterFile& file, RasterInfo& info) {
-  std::filesystem::path path = file.path;
-  path.replace_extension(".prj");
-  const auto prj = MappedFile::open(path);
-  if (!prj || prj->bytes().empty() || prj->bytes().size() > (1 << 16)) return;
-  info.crs.kind = CrsDescription::Kind::wkt;
-  info.crs.text.assign(prj->bytes().begin(), prj->bytes().end());
-  info.files.push_back(path.string());
 }
 
 class AsciiGrid final : public BlockRaster {

@@ -13,6 +13,7 @@
 #include "ooc/temp_file.h"
 #include "ooc/text_cursor.h"
 #include "terrain/block_raster.h"
+#include "terrain/esri_sidecars.h"
 #include "terrain/geo_keys.h"
 #include "terrain/raster_readers.h"
 #include "terrain/sample_file.h"
@@ -280,6 +281,8 @@ RasterResult open_geotiff(RasterFile file, const RasterOptions& options) {
   auto info = read_info(**handle, *layout);
   if (!info) return fail(info.error());
   info->warnings = (*handle)->warnings();
+  if (!options.placement) CUESTA_TRY(read_world_file((*handle)->file(), *info));
+  read_prj((*handle)->file(), *info);
   apply_options(*info, options);
   CUESTA_TRY(check_info(*info, (*handle)->file()));
   if (layout->is_tiled || layout->block_bytes() <= largest_strip_bytes)

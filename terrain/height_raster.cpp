@@ -40,6 +40,7 @@ RasterFormat format_by_content(const RasterFile& file) {
   for (const auto magic : {"CDF\1"sv, "CDF\2"sv, "CDF\5"sv, "\x89HDF\r\n\x1a\n"sv}) {
     if (file.begins_with(magic)) return RasterFormat::netcdf;
   }
+  if (looks_like_usgs_dem(file.text())) return RasterFormat::usgs_dem;
   return looks_like_ascii_grid(file.text().substr(0, 256)) ? RasterFormat::ascii_grid : RasterFormat::detect;
 }
 
@@ -68,6 +69,8 @@ RasterResult open_as(RasterFormat format, RasterFile file, const RasterOptions& 
       return open_raw(std::move(file), options);
     case RasterFormat::netcdf:
       return open_netcdf(std::move(file), options);
+    case RasterFormat::usgs_dem:
+      return open_usgs_dem(std::move(file), options);
     case RasterFormat::tiles:
       return file.error(ErrorCode::invalid_input, "",
                         "expected a folder of tiles, zoom/x/y.png; found a file");
@@ -76,7 +79,7 @@ RasterResult open_as(RasterFormat format, RasterFile file, const RasterOptions& 
   }
   return file.error(
       ErrorCode::unsupported_version, "",
-      "not a raster of heights: expected .hgt, GeoTIFF, ESRI ASCII grid, PNG, netCDF, a folder of "
+      "not a raster of heights: expected .hgt, GeoTIFF, ESRI ASCII grid, USGS DEM, PNG, netCDF, a folder of "
       "PNG tiles, or raw samples (name their format in the options or a sidecar)");
 }
 

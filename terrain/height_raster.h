@@ -1,6 +1,6 @@
 #pragma once
 /// Rasters of heights of any size, read in windows. Behind it: SRTM, GeoTIFF, ESRI ASCII grid, PNG, web
-/// tiles, raw samples, netCDF.
+/// tiles, raw samples, netCDF, USGS DEM.
 
 #include <filesystem>
 #include <memory>
@@ -47,7 +47,17 @@ class HeightRaster {
   RasterInfo info_;
 };
 
-enum class RasterFormat : std::uint8_t { detect, hgt, geotiff, ascii_grid, png, tiles, raw, netcdf };
+enum class RasterFormat : std::uint8_t {
+  detect,
+  hgt,
+  geotiff,
+  ascii_grid,
+  png,
+  tiles,
+  raw,
+  netcdf,
+  usgs_dem
+};
 enum class ByteOrder : std::uint8_t { little, big };
 enum class PixelIs : std::uint8_t { area, point };
 

@@ -94,6 +94,16 @@ struct Grid {
   std::vector<int> dimensions = {};
   std::vector<std::size_t> lengths = {};
   std::string name = {};
+  /// Attribute _Unsigned (NUG, appendix B): negative samples mean themselves plus this, of unsigned types
+  /// those in the upper half themselves minus this; 0: as they are stored.
+  double wrap = 0;
+  bool is_unsigned = false;  ///< what they mean
+
+  double meant(double stored) const {
+    if (wrap == 0) return stored;
+    if (is_unsigned) return stored < 0 ? stored + wrap : stored;
+    return stored >= 0.5 * wrap ? stored - wrap : stored;
+  }
   std::size_t rows() const { return lengths[lengths.size() - 2]; }
   std::size_t columns() const { return lengths.back(); }
 };
@@ -119,6 +129,17 @@ std::optional<Grid> grid_of(const NetcdfFile& file, int variable) {
   return grid;
 }
 
+void read_signedness(const NetcdfFile& file, Grid& grid) {
+  const bool is_stored_signed = grid.type == NC_BYTE || grid.type == NC_SHORT || grid.type == NC_INT;
+  const bool is_stored_unsigned = grid.type == NC_UBYTE || grid.type == NC_USHORT || grid.type == NC_UINT;
+  const std::string says = lower(file.text(grid.variable, "_Unsigned"));
+  grid.is_unsigned = says == "true";
+  if ((is_stored_signed && says == "true") || (is_stored_unsigned && says == "false"))
+    grid.wrap = grid.type == NC_BYTE || grid.type == NC_UBYTE     ? 0x1p8
+                : grid.type == NC_SHORT || grid.type == NC_USHORT ? 0x1p16
+                                                                  : 0x1p32;
+}
+
 /// The variable that is asked for, or the only one that can be it.
 Result<Grid> choose_grid(const NetcdfFile& file, const RasterOptions& options) {
   int count = 0;
@@ -129,6 +150,7 @@ Result<Grid> choose_grid(const NetcdfFile& file, const RasterOptions& options) {
   for (int variable = 0; variable < count && found.size() < 100; ++variable) {
     auto grid = grid_of(file, variable);
     if (!grid || (options.variable && grid->name != *options.variable)) continue;
+    read_signedness(file, *grid);
     names += (names.empty() ? "" : ", ") + quote_word(grid->name);
     found.push_back(std::move(*grid));
   }
@@ -245,16 +267,18 @@ Result<void> read_meaning(const NetcdfFile& file, const Grid& grid, const Raster
   for (const double value : file.numbers(grid.variable, "missing_value")) meaning.no_data.push_back(value);
   if (const auto usual = default_fill(grid.type); fill.empty() && usual) meaning.no_data.push_back(*usual);
   std::erase_if(meaning.no_data, [](double value) { return std::isnan(value); });
+  for (double& value : meaning.no_data) value = grid.meant(value);
   if (grid.type == NC_FLOAT) {  // a value written in more digits than the samples have
     for (double& value : meaning.no_data) {
       if (std::abs(value) <= double(std::numeric_limits<float>::max())) value = double(float(value));
     }
   }
-  if (const auto v = file.numbers(grid.variable, "valid_min"); v.size() == 1) meaning.least = v[0];
-  if (const auto v = file.numbers(grid.variable, "valid_max"); v.size() == 1) meaning.most = v[0];
+  if (const auto v = file.numbers(grid.variable, "valid_min"); v.size() == 1)
+    meaning.least = grid.meant(v[0]);
+  if (const auto v = file.numbers(grid.variable, "valid_max"); v.size() == 1) meaning.most = grid.meant(v[0]);
   if (const auto v = file.numbers(grid.variable, "valid_range"); v.size() == 2) {
-    meaning.least = v[0];
-    meaning.most = v[1];
+    meaning.least = grid.meant(v[0]);
+    meaning.most = grid.meant(v[1]);
   }
   if (const auto v = file.numbers(grid.variable, "scale_factor"); v.size() == 1) meaning.scale = v[0];
   if (const auto v = file.numbers(grid.variable, "add_offset"); v.size() == 1) meaning.offset = v[0];
@@ -339,6 +363,7 @@ class Netcdf final : public BlockRaster {
         code != NC_NOERR)
       return file_->error(fmt::format("{} rows {} to {}", quote_word(grid_.name), row, row + height - 1),
                           "cannot be read; the file is damaged or cut off", code);
+    for (double& value : std::span(values, width * height)) value = grid_.meant(value);
     for (std::uint64_t r = height; width < size_.width && r-- > 1;)
       std::memmove(values + r * size_.width, values + r * width, width * sizeof(double));
     return {};

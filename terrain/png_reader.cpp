@@ -4,6 +4,7 @@
 
 #include "ooc/read_job.h"
 #include "ooc/temp_file.h"
+#include "terrain/esri_sidecars.h"
 #include "terrain/png_image.h"
 #include "terrain/raster_readers.h"
 #include "terrain/sample_file.h"
@@ -38,6 +39,8 @@ RasterResult open_png(RasterFile file, const RasterOptions& options) {
   }
   info.meaning = meaning_of(heights);
   info.files = {file.path.string()};
+  if (!options.placement) CUESTA_TRY(read_world_file(file, info));
+  read_prj(file, info);
   apply_options(info, options);
   CUESTA_TRY(check_info(info, file));
   const SampleLayout layout{.type = info.type};

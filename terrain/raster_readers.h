@@ -17,7 +17,12 @@ RasterResult open_ascii_grid(RasterFile file, const RasterOptions& options);
 RasterResult open_png(RasterFile file, const RasterOptions& options);
 RasterResult open_raw(RasterFile file, const RasterOptions& options);
 RasterResult open_netcdf(RasterFile file, const RasterOptions& options);
+RasterResult open_usgs_dem(RasterFile file, const RasterOptions& options);
 RasterResult open_tile_folder(const std::filesystem::path& folder, const RasterOptions& options);
+
+/// Whether the text begins with the header of a USGS DEM and that of its first profile; it has no magic
+/// bytes.
+bool looks_like_usgs_dem(std::string_view text);
 
 /// The reader that content, options and name call for. @pre check_options() was good; no sidecar is looked
 /// for.

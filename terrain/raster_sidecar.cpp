@@ -39,14 +39,15 @@ bool take_word(const Json& json, const std::array<std::pair<const char*, Value>,
   return false;
 }
 
-constexpr std::array<std::pair<const char*, RasterFormat>, 7> formats{
+constexpr std::array<std::pair<const char*, RasterFormat>, 8> formats{
     {{"hgt", RasterFormat::hgt},
      {"geotiff", RasterFormat::geotiff},
      {"ascii-grid", RasterFormat::ascii_grid},
      {"png", RasterFormat::png},
      {"tiles", RasterFormat::tiles},
      {"raw", RasterFormat::raw},
-     {"netcdf", RasterFormat::netcdf}}};
+     {"netcdf", RasterFormat::netcdf},
+     {"usgs-dem", RasterFormat::usgs_dem}}};
 constexpr std::array<std::pair<const char*, SampleType>, 8> types{{{"uint8", SampleType::u8},
                                                                    {"int8", SampleType::i8},
                                                                    {"uint16", SampleType::u16},

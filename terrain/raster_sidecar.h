@@ -2,7 +2,7 @@
 /// What the user wrote beside a raster that does not say what it is: `<file>.json`, or `raster.json` in a
 /// folder of tiles. One JSON object; every key may be missing, none may be unknown:
 ///
-///     { "format": "raw",              hgt, geotiff, ascii-grid, png, tiles, raw, netcdf
+///     { "format": "raw",              hgt, geotiff, ascii-grid, png, tiles, raw, netcdf, usgs-dem
 ///       "placement": { "x": 86.0, "y": 28.0, "x_spacing": 0.000833, "y_spacing": 0.000833,
 ///                      "pixel_is": "point" },           of the upper left posting; "area": of its corner
 ///       "epsg": 4326, "vertical_datum": "orthometric",  or ellipsoidal
