@@ -19,6 +19,7 @@ struct Recipe {
   std::vector<std::pair<const char*, double>> attributes = {};
   const char* units = "m";
   int variables = 1;
+  const char* is_unsigned = "";  ///< attribute _Unsigned
 };
 
 #define NC(call) ASSERT_EQ((call), NC_NOERR) << #call
@@ -44,6 +45,7 @@ void write(const std::filesystem::path& path, const Recipe& r, const std::vector
     NC(nc_def_var(id, ("z" + std::to_string(v)).c_str(), r.type, int(dimensions.size()), dimensions.data(),
                   &z));
     if (*r.units) text(id, z, "units", r.units);
+    if (*r.is_unsigned) text(id, z, "_Unsigned", r.is_unsigned);
     for (const auto& [name, value] : r.attributes) {
       const bool is_fill = std::string(name) == "_FillValue";
       NC(nc_put_att_double(id, z, name, is_fill ? r.type : NC_DOUBLE, 1, &value));
@@ -81,6 +83,23 @@ TEST(Netcdf, ClassicAndVersion4AreRead) {
       test::expect_windows_equal_whole(*raster);
     }
   }
+}
+
+TEST(Netcdf, SamplesMayBeUnsignedByAttribute) {
+  const test::ScratchFolder folder;
+  const std::vector<double> stored{0, 1, 127, -128, -1, -2, 5, 6, 7, 8, 9, 10, 11, 12, 13};
+  std::vector<double> meant{0, 1, 127, 128, std::nan(""), 254, 5, 6, 7, 8, 9, 10, 11, 12, 13};
+  write(folder / "a.nc", {.type = NC_BYTE, .attributes = {{"_FillValue", -1}}, .is_unsigned = "true"},
+        stored);
+  test::expect_heights(*test::open_raster(folder / "a.nc"), meant);
+  meant[4] = -1;
+  meant[3] = -128;
+  meant[5] = -2;
+  write(folder / "b.nc", {.type = NC_BYTE, .is_unsigned = "false"}, stored);
+  test::expect_heights(*test::open_raster(folder / "b.nc"), meant);
+  write(folder / "c.nc", {.type = NC_SHORT, .is_unsigned = "true"}, stored);
+  for (double& height : meant) height += height < 0 ? 65536 : 0;
+  test::expect_heights(*test::open_raster(folder / "c.nc"), meant);
 }
 
 TEST(Netcdf, RowsMayRunNorthward) {
