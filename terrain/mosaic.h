@@ -39,11 +39,13 @@ struct MosaicOptions {
   /// name its datum is taken to be in this one.
   VerticalDatum heights = VerticalDatum::unknown;
   const Geoid* geoid = nullptr;  ///< needed where a file's datum is the other one; outlives the mosaic
-  /// Surface of water, in metres: postings of a file without data become it, and heights below it are raised
-  /// to it. A height above the geoid where `geoid` is given, else above the datum of read().
+  /// Surface of water, in metres: postings of a file without data become it, unless a file of a layer of less
+  /// priority lies there, and heights below it are raised to it. A height above the geoid where `geoid` is
+  /// given, else above the datum of read().
   std::optional<double> sea_level_m = {};
   /// A posting without data is interpolated if there is data within so many postings on both sides of it
-  /// along its row or its column, also in gaps between files; at most most_fill_postings.
+  /// along its row or its column, also in gaps between files of a layer; at most most_fill_postings. Goes
+  /// before water, and before layers of less priority.
   std::uint32_t fill_postings = 0;
   std::uint32_t most_open_files = 64;                   ///< at least 1
   std::uint64_t cache_bytes = std::uint64_t{64} << 20;  ///< blocks decoded of all open files together

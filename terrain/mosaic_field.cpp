@@ -6,6 +6,7 @@
 
 #include "ooc/read_job.h"
 #include "terrain/fill_postings.h"
+#include "terrain/lattice_view.h"
 
 namespace cuesta {
 namespace {
@@ -172,6 +173,27 @@ Result<void> MosaicField::fill(std::uint32_t layer_number, const Reach& reach, s
   return {};
 }
 
+/// Whether a file of a layer of less priority lies there: that layer then tells what is there, if it is
+/// water.
+bool MosaicField::has_file_below(std::uint32_t layer, std::int64_t column, std::uint64_t row) const {
+  for (std::uint32_t below = layer + 1; below < placed_.layers.size(); ++below) {
+    const MosaicLayer& other = placed_.layers[below];
+    const LatticeView view(placed_.layers, below, 0);
+    const PlanePoint p = view.at(layer, double(column), double(row));
+    for (const std::uint32_t file : other.files) {
+      const FilePlace& place = placed_.places[file];
+      double east = p.x - double(place.column);
+      if (const auto around = double(other.columns_around); around > 0)
+        east -= around * std::floor(east / around);
+      const double south = p.y - double(place.row);
+      if (east >= 0 && east <= double(place.turn.width - 1) && south >= 0 &&
+          south <= double(place.turn.height - 1))
+        return true;
+    }
+  }
+  return false;
+}
+
 void MosaicField::flood(std::uint32_t layer, const Reach& reach, std::span<const char> in_file,
                         std::span<double> heights, MosaicCounts& counts) const {
   // Water is level above the geoid.
@@ -184,6 +206,7 @@ void MosaicField::flood(std::uint32_t layer, const Reach& reach, std::span<const
       double& height = heights[r * reach.width + c];
       if (std::isnan(height)) {
         if (in_file[r * reach.width + c] == 0 || std::isnan(surface[c])) continue;
+        if (has_file_below(layer, reach.column + static_cast<std::int64_t>(c), reach.row + r)) continue;
         ++counts.flooded;
         height = surface[c];
       } else if (height < surface[c]) {

@@ -50,6 +50,7 @@ class MosaicField {
                     MosaicCounts& counts) const;
   void flood(std::uint32_t layer, const Reach& reach, std::span<const char> in_file,
              std::span<double> heights, MosaicCounts& counts) const;
+  bool has_file_below(std::uint32_t layer, std::int64_t column, std::uint64_t row) const;
   void add_undulations(const MosaicLayer& layer, std::int64_t column, std::uint64_t row, double sign,
                        std::span<double> heights) const;
   Result<double> pole_height(std::uint32_t layer, std::uint64_t row) const;

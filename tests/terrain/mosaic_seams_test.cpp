@@ -259,6 +259,24 @@ TEST(MosaicSeams, RandomVoidsInAllLayersLeaveAManifoldWithoutCracks) {
   }
 }
 
+TEST(MosaicSeams, WaterOfTheFineDoesNotHideTheCoarse) {
+  const test::ScratchFolder folder;
+  auto fine = test::ramp(61, 61), coarse = test::ramp(31, 31);
+  for (std::uint64_t r = 20; r < 45; ++r) std::fill_n(fine.begin() + std::ptrdiff_t(r * 61 + 20), 25, none);
+  coarse[14 * 31 + 17] = none;
+  MosaicOptions options;
+  options.sea_level_m = -5;
+  const auto mosaic = open_mosaic({folder.write("coarse.asc", grid(0, 90, 3, 31, coarse)),
+                                   folder.write("fine.asc", grid(20.2, 80.7, 1, 61, fine))},
+                                  options);
+  ASSERT_TRUE(mosaic);
+  expect_covers(*mosaic, {0, 90, 0, 90});
+  EXPECT_TRUE(std::isnan(test::whole_mosaic(*mosaic, 0)[32 * 61 + 32]));
+  const auto heights = test::whole_mosaic(*mosaic, 1);
+  EXPECT_EQ(heights[14 * 31 + 17], -5);
+  EXPECT_EQ(heights[15 * 31 + 17], coarse[15 * 31 + 17]);
+}
+
 TEST(MosaicSeams, AVoidOfAllStaysOne) {
   const test::ScratchFolder folder;
   auto fine = test::ramp(61, 61), coarse = test::ramp(31, 31);
