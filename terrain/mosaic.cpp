@@ -155,12 +155,18 @@ Result<void> Mosaic::read(std::uint32_t layer_number, const Window& window, std:
   if (heights.empty()) return {};
   MosaicCounts here;
   CUESTA_TRY(state_->field.read(layer_number, window, heights, here));
-  if (!state_->joined.covers.empty())
-    here.covered = take_away(state_->joined.covers[layer_number], layer.columns_around, window, heights);
+  for (const LayerCover& cover : state_->joined.covers) {
+    if (cover.part.layer == layer_number)
+      here.covered += take_away(cover, layer.columns_around, window, heights);
+  }
   here.heights = static_cast<std::uint64_t>(
       std::ranges::count_if(heights, [](double height) { return !std::isnan(height); }));
   if (counts) *counts += here;
   return {};
+}
+
+bool Mosaic::has_files(std::uint32_t layer, const Window& window) const {
+  return state_->field.has_files(layer, window);
 }
 
 std::span<const SeamTriangle> Mosaic::seams() const {

@@ -124,6 +124,11 @@ class Mosaic {
   Result<void> read(std::uint32_t layer, const Window& window, std::span<double> heights,
                     MosaicCounts* counts = nullptr) const;
 
+  /// Whether read() may find heights in a window: false where no file lies in or near it, as between far
+  /// files.
+  /// @pre the window is one for read(). @cost O(files of the layer).
+  bool has_files(std::uint32_t layer, const Window& window) const;
+
   /// Triangles that join layers of different lattices without cracks or overlaps.
   std::span<const SeamTriangle> seams() const;
 

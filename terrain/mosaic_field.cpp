@@ -65,6 +65,23 @@ Result<void> MosaicField::read(std::uint32_t layer, const Window& window, std::s
   return {};
 }
 
+bool MosaicField::has_files(std::uint32_t layer, const Window& window) const {
+  const auto around = static_cast<std::int64_t>(placed_.layers[layer].columns_around);
+  const auto west = static_cast<std::int64_t>(window.column) - std::int64_t{reach_};
+  const std::uint64_t width = window.width + 2 * std::uint64_t{reach_};
+  const auto north = static_cast<std::int64_t>(window.row) - std::int64_t{reach_};
+  const std::uint64_t height = window.height + 2 * std::uint64_t{reach_};
+  return std::ranges::any_of(placed_.layers[layer].files, [&](std::uint32_t file) {
+    const FilePlace& place = placed_.places[file];
+    if (overlap(north, height, static_cast<std::int64_t>(place.row), place.turn.height).count == 0)
+      return false;
+    auto column = static_cast<std::int64_t>(place.column);
+    if (around > 0)
+      column += floor_div(west + static_cast<std::int64_t>(width) - 1 - column, around) * around;
+    return overlap(west, width, column, place.turn.width).count > 0;
+  });
+}
+
 /// Files by falling priority, each where none before it has data.
 /// @param in_file  set to 1 where a posting belongs to a file, with data or without; may be empty.
 Result<void> MosaicField::read_files(std::uint32_t layer_number, const Reach& reach,

@@ -26,8 +26,12 @@ class MosaicField {
 
   const std::vector<MosaicLayer>& layers() const { return placed_.layers; }
   const std::vector<FilePlace>& places() const { return placed_.places; }
+  const MosaicLayers& placed() const { return placed_; }
+  std::uint32_t fill_reach() const { return reach_; }  ///< postings
   VerticalDatum datum() const { return datum_; }
 
+  /// Whether the window holds postings of files, or such as may be filled. @pre as of read()
+  bool has_files(std::uint32_t layer, const Window& window) const;
   /// As Mosaic::read(), as if there were no other layers. @pre the window lies in the layer.
   Result<void> read(std::uint32_t layer, const Window& window, std::span<double> heights,
                     MosaicCounts& counts) const;

@@ -269,9 +269,8 @@ std::vector<SeamTriangle> seams_between(GapPlane& plane, const Ground& ground, s
 Result<MosaicSeams> join_layers(const MosaicField& field) {
   MosaicSeams out;
   Outline surface;
-  for (const LayerPart& part : parts_near_others(field.layers())) {
+  for (const LayerPart& part : parts_near_others(field.placed(), std::max(2u, field.fill_reach()))) {
     out.covers.push_back({.part = part});
-    if (part.width == 0 || part.height == 0) continue;
     const LatticeView view = view_of(field, part);
     const std::vector<OutlineEdge> before = surface.edges();
     if (!before.empty()) out.covers.back().covered = covered_postings(before, view, part);

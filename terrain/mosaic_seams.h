@@ -23,14 +23,14 @@ inline constexpr double longest_seam = 2.25;
 /// The same where the layer has data under the seam: between two surfaces there may be no room for any cell.
 inline constexpr double longest_seam_over_data = 4;
 
-/// Of one layer.
+/// Of a part of a layer.
 struct LayerCover {
   LayerPart part = {};
   PostingRuns covered = PostingRuns();  ///< columns counted from the part's own
 };
 
 struct MosaicSeams {
-  std::vector<LayerCover> covers;  ///< of every layer
+  std::vector<LayerCover> covers;  ///< by rising layer
   std::vector<SeamTriangle> seams;
   std::uint64_t lost_segments =
       0;  ///< edges of outlines that others cross; there the surface may have a crack

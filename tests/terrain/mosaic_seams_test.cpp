@@ -218,6 +218,23 @@ TEST(MosaicSeams, TilesThatOverlapInPart) {
   }
 }
 
+/// Of the layer of small tiles one is near another layer, and the room between them is huge.
+TEST(MosaicSeams, RoomBetweenFarTilesCostsNothing) {
+  const test::ScratchFolder folder;
+  const auto mosaic = open_mosaic({folder.write("a.asc", level_grid(20, 40, 1, 16, 16)),
+                                   folder.write("far.asc", level_grid(3'000'020, 3'000'040, 1, 16, 16)),
+                                   folder.write("coarse.asc", level_grid(0, 60, 3, 21, 21)),
+                                   folder.write("b.asc", level_grid(39, 25, 1, 10, 10))});
+  ASSERT_TRUE(mosaic);
+  ASSERT_EQ(mosaic->layers().size(), 2u);
+  EXPECT_GT(mosaic->postings(), 9'000'000'000'000u);
+  EXPECT_FALSE(mosaic->has_files(0, {1000, 1000, 256, 256}));
+  MosaicCounts counts;
+  test::whole_mosaic(*mosaic, 1, &counts);
+  EXPECT_GT(counts.covered, 30u);
+  EXPECT_FALSE(mosaic->seams().empty());
+}
+
 TEST(MosaicSeams, FarTilesAreNotJoined) {
   const test::ScratchFolder folder;
   const auto mosaic = open_mosaic({folder.write("west.asc", level_grid(0, 30, 3, 11, 11)),

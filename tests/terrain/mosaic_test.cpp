@@ -78,6 +78,8 @@ TEST(MosaicLayer, OverlapsGoToTheFirstThatHasDataAndGapsAreNaN) {
   const auto mosaic = open_mosaic(files);
   ASSERT_TRUE(mosaic);
   expect_same_heights(whole_mosaic(*mosaic), {1, 2, 13, none, none, 30, 4, 5, 6, 17, none, none});
+  EXPECT_TRUE(mosaic->has_files(0, {3, 0, 2, 1}));
+  EXPECT_FALSE(mosaic->has_files(0, {4, 0, 1, 2}));
   expect_windows_equal_whole(*mosaic, 0);
   const auto other = open_mosaic({files[1], files[0], files[2]});
   ASSERT_TRUE(other);
