@@ -15,7 +15,7 @@ namespace cuesta {
 
 struct Relief {
   /// A point of height 0 of a plane; the centre of an ellipsoid.
-  Vec3d origin;
+  Vec3d origin = {};
   /// Unit and right-handed. A plane's east, north and up; an ellipsoid's two equatorial axes and its north
   /// pole.
   std::array<Vec3d, 3> axes{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
