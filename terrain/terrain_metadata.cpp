@@ -20,13 +20,14 @@ constexpr Words<FrameKind, 3> kinds{
 constexpr Words<VerticalDatum, 3> datums{{{"unknown", VerticalDatum::unknown},
                                           {"orthometric", VerticalDatum::orthometric},
                                           {"ellipsoidal", VerticalDatum::ellipsoidal}}};
-constexpr Words<CrsMethod, 7> methods{{{"geographic", CrsMethod::geographic},
+constexpr Words<CrsMethod, 8> methods{{{"geographic", CrsMethod::geographic},
                                        {"transverse_mercator", CrsMethod::transverse_mercator},
                                        {"mercator", CrsMethod::mercator},
                                        {"web_mercator", CrsMethod::web_mercator},
                                        {"lambert_conformal", CrsMethod::lambert_conformal},
                                        {"albers", CrsMethod::albers},
-                                       {"polar_stereographic", CrsMethod::polar_stereographic}}};
+                                       {"polar_stereographic", CrsMethod::polar_stereographic},
+                                       {"plane", CrsMethod::plane}}};
 
 template <class Value, std::size_t N>
 const char* word_of(const Words<Value, N>& words, Value value) {

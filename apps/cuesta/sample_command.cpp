@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -68,8 +69,11 @@ void tell(const TerrainFacts& facts, NumberPair asked, const std::optional<Heigh
     return;
   }
   const Vec3d p = found->position_m;
-  fmt::print("{} {}  {:.2f} m {}; {:.7f} N {:.7f} E; x {:.3f} y {:.3f} z {:.3f}\n", asked.first, asked.second,
-             found->at.h_m, heights_text(facts), found->at.lat_deg, found->at.lon_deg, p.x, p.y, p.z);
+  const bool is_somewhere = std::isfinite(found->at.lat_deg);  // a plane may be nowhere on the Earth
+  const std::string place =
+      is_somewhere ? fmt::format("{:.7f} N {:.7f} E; ", found->at.lat_deg, found->at.lon_deg) : "";
+  fmt::print("{} {}  {:.2f} m {}; {}x {:.3f} y {:.3f} z {:.3f}\n", asked.first, asked.second, found->at.h_m,
+             heights_text(facts), place, p.x, p.y, p.z);
 }
 
 ordered_json json_of(NumberPair asked, bool xy, const std::optional<HeightSample>& found) {

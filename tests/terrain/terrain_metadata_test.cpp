@@ -119,6 +119,17 @@ TEST(TerrainMetadata, ProjectedFramesSurviveBitForBit) {
   }
 }
 
+TEST(TerrainMetadata, APlaneThatIsNowhereSurvives) {
+  CrsDefinition definition;
+  definition.method = CrsMethod::plane;
+  definition.name = "a plane in metres";
+  const Frame plane = Frame::projected(Crs::from_definition(definition).value()).value();
+  const Frame back = round_trip(full_facts(plane)).frame;
+  ASSERT_NE(back.crs(), nullptr);
+  expect_same(back.crs()->definition(), definition);
+  EXPECT_EQ(back.position_m(*plane.crs(), {1.5, -2.5}, 3), (Vec3d{1.5, -2.5, 3}));
+}
+
 TEST(TerrainMetadata, OtherFilesAreNoTerrain) {
   for (const char* text : {"{}", "", "no JSON", "[1]", "{\"terrains\": 1}", "\"terrain\""}) {
     const auto facts = terrain_facts(text);
