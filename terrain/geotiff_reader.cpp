@@ -19,6 +19,7 @@
 #include "terrain/sample_file.h"
 #include "terrain/samples.h"
 #include "terrain/tiff_handle.h"
+#include "terrain/tiff_placement.h"
 
 namespace cuesta {
 namespace {
@@ -131,37 +132,6 @@ Result<void> read_blocks(TiffHandle& handle, Layout& layout) {
   return {};
 }
 
-/// From the tags to the postings: a transformation, or one tie point with a scale.
-Result<bool> read_map(TiffHandle& handle, std::span<const GeoKey> keys, PostingMap& map) {
-  const auto matrix = handle.doubles(tiff_tag::transformation), scale = handle.doubles(tiff_tag::pixel_scale),
-             ties = handle.doubles(tiff_tag::tie_points);
-  // Tags speak of raster space, in which a pixel that is an area has its middle at ½.
-  const double shift = short_key(keys, geo_key::raster_type).value_or(1) == 2 ? 0.0 : 0.5;
-  if (scale.size() >= 2 && ties.size() >= 6) {
-    const double dx = std::abs(scale[0]), dy = std::abs(scale[1]);
-    map = {.x0 = ties[3] + (shift - ties[0]) * dx,
-           .y0 = ties[4] - (shift - ties[1]) * dy,
-           .x_per_column = dx,
-           .y_per_row = -dy};
-    return true;
-  }
-  if (matrix.size() >= 16) {
-    map = {.x0 = matrix[3] + shift * (matrix[0] + matrix[1]),
-           .y0 = matrix[7] + shift * (matrix[4] + matrix[5]),
-           .x_per_column = matrix[0],
-           .y_per_column = matrix[4],
-           .x_per_row = matrix[1],
-           .y_per_row = matrix[5]};
-    return true;
-  }
-  if (ties.size() > 6)
-    return handle.file().error(ErrorCode::unsupported_version, "georeference",
-                               fmt::format("{} ground control points without a transformation are not read; "
-                                           "rectify the file first",
-                                           ties.size() / 6));
-  return false;
-}
-
 /// `<Item name="…" sample="0" role="scale">0.1</Item>` of GDAL's metadata.
 std::optional<double> metadata_item(std::string_view xml, std::string_view role) {
   const std::size_t at = xml.find(fmt::format("role=\"{}\"", role));
@@ -203,9 +173,10 @@ Result<RasterInfo> read_info(TiffHandle& handle, const Layout& layout) {
     info.crs.kind = keys->empty() ? CrsDescription::Kind::unknown : CrsDescription::Kind::geo_keys;
     info.crs.geo_keys = std::move(*keys);
   }
-  const auto placed = read_map(handle, info.crs.geo_keys, info.map);
-  if (!placed) return fail(placed.error());
-  info.is_placed = *placed;
+  const auto map = tiff_placement(handle, info.crs.geo_keys);
+  if (!map) return fail(map.error());
+  info.is_placed = map->has_value();
+  info.map = map->value_or(info.map);
   CUESTA_TRY(read_meaning(handle, info.meaning));
   return info;
 }
