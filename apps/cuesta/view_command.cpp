@@ -9,6 +9,7 @@
 #include "apps/cuesta/machine.h"
 #include "apps/cuesta/open_cut.h"
 #include "apps/cuesta/stop_signal.h"
+#include "apps/cuesta/terrain_settings.h"
 #include "apps/view/budget_shares.h"
 #include "apps/view/camera_controls.h"
 #include "apps/view/flight_recorder.h"
@@ -34,6 +35,7 @@ constexpr double usual_geomorph_ms = 250;
 constexpr double budget_factor = 1.4142135623730951;
 constexpr std::uint64_t least_triangles = 1000;
 constexpr double least_tau_px = 1.0 / 64, largest_tau_px = 64;
+constexpr double exaggeration_factor = 1.25, least_exaggeration = 0.1, largest_exaggeration = 50;
 
 double now_s() {
   return clock_ms() / 1000;
@@ -64,6 +66,7 @@ class Viewer {
 
   Result<void> add_file(const std::filesystem::path& path, std::uint64_t cache_bytes);
   Result<void> add_files();
+  void take_look(terrain_view::TerrainLook look);
   void drop(const std::vector<std::filesystem::path>& paths);
   void fit();
 
@@ -72,6 +75,7 @@ class Viewer {
   void act(Action action);
   void act_on_look(Action action);
   void act_on_budgets(Action action);
+  void exaggerate(double factor);
   void leave();
   void toggle_recording();
   void toggle_flight();
@@ -83,6 +87,7 @@ class Viewer {
   Result<void> draw();
   std::vector<TextBlock> texts() const;
   std::vector<std::string> statistics() const;
+  std::vector<std::string> places() const;
   bool at_rest() const;
   Result<void> follow_script();
   std::string stem() const;
@@ -98,6 +103,9 @@ class Viewer {
   view::FlightRecorder recorder_;
   std::optional<Flight> flight_;
   std::optional<double> flight_start_s_;  ///< while the flight is played
+
+  std::optional<terrain_view::TerrainLook> look_;  ///< of the first file that is terrain
+  std::optional<std::array<double, 2>> pointer_;   ///< pixels; none while it is elsewhere
 
   bool placed_ = false;  ///< the camera shows the model
   bool open_ = true, redraw_ = true, settled_ = false, frozen_ = false;
@@ -129,6 +137,9 @@ Result<std::unique_ptr<Viewer>> Viewer::open(const ViewSettings& s) {
   v->picture_due_ = !s.screenshot.empty();
   v->controls_.set_view(s.view);
   if (auto r = v->add_files(); !r) return fail(r.error());
+  if (!v->look_ && !s.files.empty() && (s.shading == Shading::relief || s.exaggeration != 1))
+    return fail(ErrorCode::invalid_input, s.files.front().string(), "--shading, --exaggerate",
+                "no file is terrain: there is no height in them; leave the option out");
   auto window = Window::open(s.files.empty() ? "Cuesta" : s.files.front().filename().string() + " - Cuesta",
                              s.view.width_px, s.view.height_px);
   if (!window) return fail(window.error());
@@ -144,12 +155,34 @@ Result<std::unique_ptr<Viewer>> Viewer::open(const ViewSettings& s) {
 Result<void> Viewer::add_file(const std::filesystem::path& path, std::uint64_t cache_bytes) {
   auto cut = open_cut(path, cache_bytes, s_.load_threads);
   if (!cut) return fail(cut.error());
+  auto look = terrain_view::terrain_look((*cut)->directory(), path);
+  if (!look) return fail(look.error());
   (*cut)->set_visual_error({s_.visual_factor, {}});
   auto points = sketch_points(**cut);
+  if (*look && !look_) take_look(std::move(**look));
   scene_.add(path.filename().string(), std::move(*cut), std::move(points));
   controls_.set_model_size(scene_.diagonal());
   settled_ = false;
   return {};
+}
+
+/// World units are metres from now on, and up is that of each place.
+void Viewer::take_look(terrain_view::TerrainLook look) {
+  look_.emplace(std::move(look));
+  look_->relief.exaggeration = s_.exaggeration;
+  terrain_view::set_look(*look_, draw_);
+  draw_.shading = shading_of(s_.shading, look_);
+  controls_.set_ground({.up = [this](Vec3d p) { return look_->relief.up(p); }});
+}
+
+void Viewer::exaggerate(double factor) {
+  if (!look_) return say("no file is terrain");
+  double& exaggeration = look_->relief.exaggeration;
+  exaggeration = std::clamp(exaggeration * factor, least_exaggeration, largest_exaggeration);
+  if (std::abs(exaggeration - 1) < 0.01) exaggeration = 1;
+  terrain_view::set_look(*look_, draw_);
+  say(fmt::format("heights drawn {:.3g} times as high", exaggeration));
+  settled_ = false;
 }
 
 /// The cache is shared by the files' sizes.
@@ -183,12 +216,12 @@ void Viewer::fit() {
   View view = controls_.view();
   const auto points = scene_.points();
   if (points.empty()) return;
-  view = fit_view(points, placed_ ? view.eye - view.target : three_quarter_direction(view.up), view);
-  if (!placed_ && s_.camera) {
-    view.eye = s_.camera->eye;
-    view.target = s_.camera->target;
-    view.up = s_.camera->up.value_or(view.up);
-  }
+  if (!placed_ && s_.camera)
+    view = camera_view(*s_.camera, view, s_.up_given, look_);
+  else if (!placed_ && look_ && !s_.up_given)
+    view = terrain_view::first_view(*look_, points, view);
+  else
+    view = fit_view(points, placed_ ? view.eye - view.target : three_quarter_direction(view.up), view);
   controls_.set_view(view);
   placed_ = redraw_ = true;
 }
@@ -230,6 +263,8 @@ void Viewer::take(const WindowEvent& event) {
   if (event.kind == Kind::close) open_ = false;
   if (event.kind == Kind::redraw) redraw_ = true;
   if (event.kind == Kind::drop) drop(event.paths);
+  if (event.kind == Kind::move) pointer_ = {event.x, event.y};
+  if (event.kind == Kind::leave) pointer_.reset();
   const Action action = view::action_of(event);
   if (action != Action::none) {
     act(action);
@@ -237,6 +272,7 @@ void Viewer::take(const WindowEvent& event) {
     return;
   }
   const bool pointer_only = event.kind == Kind::move && !controls_.dragging();
+  if (pointer_only && look_ && statistics_) redraw_ = true;  // they say what is under it
   if (controls_.handle(event) && !pointer_only) {
     if (event.kind == Kind::move || event.kind == Kind::scroll || event.kind == Kind::key_down)
       flight_start_s_.reset();
@@ -246,13 +282,17 @@ void Viewer::take(const WindowEvent& event) {
 
 void Viewer::act_on_look(Action action) {
   const auto shade = [&](Shading shading) {
-    draw_.shading = draw_.shading == shading ? Shading::lit : shading;
+    draw_.shading = draw_.shading == shading ? shading_of({}, look_) : shading;
   };
   if (action == Action::lit) draw_.shading = Shading::lit;
   if (action == Action::wireframe) shade(Shading::wireframe);
   if (action == Action::normals) shade(Shading::normals);
   if (action == Action::changes) shade(Shading::changes);
   if (action == Action::pages) shade(Shading::pages);
+  if (action == Action::relief && look_) draw_.shading = Shading::relief;
+  if (action == Action::relief && !look_) say("no file is terrain");
+  if (action == Action::flatter) exaggerate(1 / exaggeration_factor);
+  if (action == Action::steeper) exaggerate(exaggeration_factor);
   if (action == Action::page_borders) draw_.page_borders = !draw_.page_borders;
 }
 
@@ -403,7 +443,23 @@ std::vector<std::string> Viewer::statistics() const {
   f.upload_calls = uploads_.calls;
   f.unreadable_pages = scene_.unreadable_pages();
   f.frozen = frozen_;
+  f.places = places();
   return view::statistics_lines(f);
+}
+
+std::vector<std::string> Viewer::places() const {
+  if (!look_) return {};
+  const View& view = controls_.view();
+  const auto at = pointer_.value_or(std::array{view.width_px / 2.0, view.height_px / 2.0});
+  const auto under = scene_.hit(view.eye, view::ray_direction(view, at[0], at[1]));
+  const auto height = controls_.height_above_ground();
+  std::vector<std::string> lines{"camera     " + terrain_view::place_text(*look_, view.eye)};
+  if (height) lines.push_back(fmt::format("           {:.1f} m above ground", *height));
+  lines.push_back((pointer_ ? "pointer    " : "centre     ") +
+                  (under ? terrain_view::place_text(*look_, *under) : std::string("-")));
+  if (look_->relief.exaggeration != 1)
+    lines.push_back(fmt::format("heights    drawn {:.3g} times as high", look_->relief.exaggeration));
+  return lines;
 }
 
 std::vector<TextBlock> Viewer::texts() const {
@@ -441,15 +497,19 @@ Result<void> Viewer::frame() {
   recorder_.add(start_s, controls_.view());
   bool changed = false;
   if (!frozen_) {
-    // Someone who walks does not see the ground below, but stands on it.
-    const bool only_visible = controls_.mode() != ControlMode::walk;
+    // Someone who walks or flies does not see the ground below, but stays above it.
+    const bool by_ground =
+        controls_.mode() == ControlMode::walk || (look_ && controls_.mode() == ControlMode::fly);
+    const bool only_visible = !by_ground;
     changed = scene_.adapt(controls_.view(), {.tau_px = tau_px_,
                                               .outside_factor = s_.outside_factor,
                                               .budgets = budgets_,
                                               .geomorph_ms = geomorph_ms_,
                                               .only_visible = only_visible,
-                                              .tags = draw_.shading == Shading::changes});
-    settled_ = scene_.report().settled && scene_.report().morphing == 0 && !moved;
+                                              .tags = draw_.shading == Shading::changes,
+                                              .relief = draw_.relief});
+    if (changed && look_ && !flight_start_s_) controls_.surface_changed();
+    settled_ = scene_.report().settled && scene_.report().morphing == 0 && !moved && !controls_.moving();
   } else {
     settled_ = true;
   }

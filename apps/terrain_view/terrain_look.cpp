@@ -1,5 +1,7 @@
 #include "apps/terrain_view/terrain_look.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -96,6 +98,14 @@ View first_view(const TerrainLook& look, std::span<const Vec3d> points, View vie
   }
   view.up = up;
   return fit_view(drawn, up * std::sin(first_elevation_rad) - north * std::cos(first_elevation_rad), view);
+}
+
+std::string place_text(const TerrainLook& look, Vec3d drawn) {
+  const Vec3d p = look.relief.lowered(drawn);
+  const Geodetic at = look.facts.frame.geodetic(p);
+  if (!std::isfinite(at.lat_deg)) return fmt::format("x {:.1f} y {:.1f}, {:.1f} m", p.x, p.y, p.z);
+  return fmt::format("{:.5f} {} {:.5f} {}, {:.1f} m", std::abs(at.lat_deg), at.lat_deg < 0 ? "S" : "N",
+                     std::abs(at.lon_deg), at.lon_deg < 0 ? "W" : "E", at.h_m);
 }
 
 }  // namespace cuesta::terrain_view

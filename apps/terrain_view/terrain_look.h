@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "hierarchy/directory.h"
 #include "runtime/draw/renderer.h"
@@ -38,5 +39,10 @@ Vec3d middle_of(const TerrainLook& look, std::span<const Vec3d> points);
 /// of a globe, with the north pole up. Heights are exaggerated as `look` says.
 /// @param points  of the surface, coarse ones will do; not empty.
 View first_view(const TerrainLook& look, std::span<const Vec3d> points, View view);
+
+/// A point of the world as people say where it is: "46.12346 N 7.65432 E, 1234.5 m"; x and y of a plane that
+/// is nowhere.
+/// @param drawn  where it is drawn, with exaggeration.
+std::string place_text(const TerrainLook& look, Vec3d drawn);
 
 }  // namespace cuesta::terrain_view

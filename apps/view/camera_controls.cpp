@@ -10,10 +10,12 @@ constexpr double least_angle_rad = std::numbers::pi / 180;  // between the line 
 constexpr double zoom_per_notch = 0.85;
 constexpr double speed_per_notch = 1.25;
 constexpr double fast_factor = 4, slow_factor = 0.25;
-constexpr double start_speed = 0.125;    // diagonals per second
-constexpr double start_height = 0.005;   // diagonals: of someone who walks
-constexpr double least_distance = 1e-9;  // diagonals
-constexpr double ground_rate = 8;        // per second: how fast the eye follows the ground
+constexpr double start_speed = 0.125;        // diagonals per second
+constexpr double start_height = 0.005;       // diagonals: of someone who walks
+constexpr double least_distance = 1e-9;      // diagonals
+constexpr double heights_per_second = 0.75;  // over ground
+constexpr double reach_above = 0.02;         // diagonals: from where the ground below the eye is looked for
+constexpr double ground_rate = 8;            // per second: how fast the eye follows the ground
 constexpr double double_click_px = 4;
 
 Vec3d rotated(Vec3d v, Vec3d axis, double angle) {
@@ -100,6 +102,17 @@ View raised(const View& view, double by) {
   return shifted(view, normalized(view.up) * by);
 }
 
+View levelled(const View& view, Vec3d up) {
+  const Vec3d was = normalized(view.up), axis = cross(was, up);
+  const double sine = length(axis), cosine = dot(was, up);
+  View v = view;
+  v.up = up;
+  if (sine < 1e-15) return v;
+  const Vec3d ahead = rotated(view.target - view.eye, axis / sine, std::atan2(sine, cosine));
+  v.target = view.eye + turned_direction(ahead, up, 0, 0);
+  return v;
+}
+
 Vec3d ray_direction(const View& view, double x_px, double y_px) {
   const auto [right, up, back] = view.frame();
   const double per_px = 1 / view.pixels_per_unit();
@@ -131,11 +144,52 @@ void CameraControls::set_mode(ControlMode mode) {
       view_.target = view_.eye + forward * length(*hit - view_.eye);
   }
   if (mode == ControlMode::walk) {
-    height_ = start_height * diagonal_;
-    speed_ = std::min(speed_, 4 * height_);
+    height_ = ground_ ? ground_->eye_height : start_height * diagonal_;
+    speed_ = ground_ ? 4 * height_ : std::min(speed_, 4 * height_);
     above_ground_ = false;
   }
-  if (mode == ControlMode::fly) speed_ = std::max(speed_, start_speed * diagonal_ / 8);
+  if (mode == ControlMode::fly)
+    speed_ = ground_ ? heights_per_second : std::max(speed_, start_speed * diagonal_ / 8);
+  if (mode != ControlMode::orbit && ground_) enter_ground(forward);
+}
+
+/// Who looks at terrain from beside it walks on what is in the middle of the picture, and flies as if it were
+/// below.
+void CameraControls::enter_ground(Vec3d forward) {
+  const auto height = height_above_ground();
+  const auto ahead = ray_(view_.eye, forward);
+  if (mode_ == ControlMode::walk && !height && ahead)
+    view_ = shifted(view_, *ahead + ground_->up(*ahead) * ground_->eye_height - view_.eye);
+  // Only what is up changes, and not the picture, unless the line of sight is too near to it.
+  view_.up = ground_->up(view_.eye);
+  view_.target = view_.eye + turned_direction(view_.target - view_.eye, view_.up, 0, 0);
+  ground_height_ = height.value_or(ahead ? length(*ahead - view_.eye) : start_speed * diagonal_);
+}
+
+void CameraControls::level() {
+  if (ground_) view_ = levelled(view_, ground_->up(view_.eye));
+}
+
+std::optional<double> CameraControls::height_above_ground() const {
+  const Vec3d up = ground_ ? ground_->up(view_.eye) : normalized(view_.up);
+  // From above, as the eye may be under the ground; from inside a globe its far side would be below.
+  for (const double above : {reach_above * diagonal_, diagonal_})
+    if (const auto hit = ray_(view_.eye + up * above, -up)) return dot(view_.eye - *hit, up);
+  return {};
+}
+
+void CameraControls::surface_changed() {
+  if (mode_ == ControlMode::walk) above_ground_ = false;
+  if (is_over_ground()) stay_above_ground();
+}
+
+void CameraControls::stay_above_ground() {
+  const auto height = height_above_ground();
+  if (!height) return;
+  ground_height_ = *height;
+  if (*height >= ground_->least_height) return;
+  view_ = raised(view_, ground_->least_height - *height);
+  ground_height_ = ground_->least_height;
 }
 
 bool CameraControls::hold(Key key, bool down) {
@@ -226,7 +280,7 @@ bool CameraControls::follow_ground(double seconds) {
   const Vec3d up = normalized(view_.up);
   above_ground_ = true;
   // From above the eye, so that a slope that came through it lifts it.
-  const double above = std::max(4 * height_, 0.02 * diagonal_);
+  const double above = std::max(4 * height_, reach_above * diagonal_);
   auto hit = ray_(view_.eye + up * above, -up);
   if (!hit) hit = ray_(view_.eye + up * (2 * diagonal_), -up);
   if (!hit) return false;
@@ -251,13 +305,16 @@ bool CameraControls::advance(double seconds) {
     view_ = zoomed(view_, forward * way * 5, view_.target, least_distance * diagonal_);
     return true;
   }
-  way *= speed_;
+  way *= speed();
   if (mode_ == ControlMode::fly) {
     view_ = moved(view_, right * way, up * way, forward * way);
+    level();
+    if (ground_) stay_above_ground();
     return true;
   }
   height_ *= std::exp(up * seconds);
   view_ = stepped(view_, right * way, forward * way);
+  level();
   const bool fell = follow_ground(seconds);
   return fell || held_.any();
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// A camera moved by mouse and keys, as people know it: orbit, fly and walk.
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -43,6 +44,17 @@ enum class ControlMode : std::uint8_t {
 /// First point of the surface on a ray, if any. Directions are unit.
 using SurfaceRay = std::function<std::optional<Vec3d>(Vec3d origin, Vec3d direction)>;
 
+/// What terrain changes for a camera. Lengths in world units.
+struct GroundRules {
+  std::function<Vec3d(Vec3d)> up;  ///< at a point, unit
+  double least_height = 2;         ///< of a flying eye above the ground
+  double eye_height = 2;           ///< of someone who begins to walk
+};
+
+/// `view` with the up of where its eye is. It looks as far above the horizon, and as far to the side, as
+/// before.
+View levelled(const View& view, Vec3d up);
+
 /// What mouse and keys do to a camera. Knows no window and no clock.
 class CameraControls {
  public:
@@ -50,7 +62,10 @@ class CameraControls {
 
   const View& view() const { return view_; }
   ControlMode mode() const { return mode_; }
-  double speed() const { return speed_; }  ///< world units per second
+  /// World units per second.
+  double speed() const {
+    return is_over_ground() ? speed_ * std::max(ground_height_, ground_->least_height) : speed_;
+  }
   /// True while the pointer should have no bounds, for a drag has begun.
   bool dragging() const { return dragging_; }
   /// True while held keys move the camera, or it settles on the ground.
@@ -61,6 +76,14 @@ class CameraControls {
   /// Length of the model's diagonal: speeds and heights start from it.
   void set_model_size(double diagonal);
   void set_mode(ControlMode mode);
+  /// From now on up is that of the place when flying and walking; flying is as fast as the eye is high above
+  /// the ground, and never below it.
+  void set_ground(GroundRules rules) { ground_ = std::move(rules); }
+  /// The surface is drawn finer or coarser now: who walks comes to its new height, and who flies stays above
+  /// it.
+  void surface_changed();
+  /// Of the eye; negative under the ground, nothing where there is none below or above it.
+  std::optional<double> height_above_ground() const;
 
   /// @return true if the event was for the camera (which need not have moved yet).
   bool handle(const WindowEvent& event);
@@ -78,11 +101,18 @@ class CameraControls {
   bool drag(const WindowEvent& event);
   bool scroll(const WindowEvent& event);
   bool follow_ground(double seconds);
+  bool is_over_ground() const { return ground_ && mode_ == ControlMode::fly; }
+  void enter_ground(Vec3d forward);
+  void level();
+  void stay_above_ground();
 
   SurfaceRay ray_;
   View view_;
   ControlMode mode_ = ControlMode::orbit;
-  double diagonal_ = 1, speed_ = 0.125;
+  double diagonal_ = 1;
+  double speed_ = 0.125;  ///< world units per second; flying over ground: heights above it per second
+  std::optional<GroundRules> ground_;
+  double ground_height_ = 0;  ///< flying over ground: where it was known last
   double height_ = 0;         ///< walk: of the eye above the surface
   bool above_ground_ = true;  ///< walk: nothing left to do to reach that height
   Held held_;

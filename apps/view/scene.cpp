@@ -16,6 +16,7 @@ void Scene::add(std::string name, std::unique_ptr<Cut> cut, std::vector<Vec3d> p
 }
 
 bool Scene::adapt(const View& view, const Options& options) {
+  relief_ = options.relief;
   if (objects_.empty()) return false;
   std::vector<double> weights;
   for (const Object& o : objects_) weights.push_back(visible_weight(view, o.centre, o.radius));
@@ -25,7 +26,9 @@ bool Scene::adapt(const View& view, const Options& options) {
   lists_.clear();
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     Object& o = objects_[i];
-    const auto scale = ErrorScale::perspective(o.cut->directory().grid, view, options.outside_factor);
+    const Grid& grid = o.cut->directory().grid;
+    auto scale = ErrorScale::perspective(grid, view, options.outside_factor);
+    if (options.relief) scale = scale.exaggerated(grid, *options.relief);
     o.cut->set_tagging(options.tags);
     o.cut->set_geomorph_ms(options.geomorph_ms);
     o.report = o.cut->adapt(scale, options.tau_px, shares[i]);
@@ -95,7 +98,7 @@ double Scene::diagonal() const {
 std::optional<Vec3d> Scene::hit(Vec3d origin, Vec3d direction) const {
   std::optional<double> nearest;
   for (std::size_t i = 0; i < lists_.size(); ++i) {
-    const auto distance = distance_along(lists_[i], objects_[i].cut->directory(), origin, direction);
+    const auto distance = distance_along(lists_[i], objects_[i].cut->directory(), origin, direction, relief_);
     if (distance && (!nearest || *distance < *nearest)) nearest = distance;
   }
   if (!nearest) return {};

@@ -32,8 +32,9 @@ class Scene {
     double outside_factor = 4;
     Budgets budgets;
     double geomorph_ms = 0;
-    bool only_visible = true;  ///< lists() leave out pages that the view cannot show
-    bool tags = false;         ///< lists() say how triangles came to be drawn
+    bool only_visible = true;           ///< lists() leave out pages that the view cannot show
+    bool tags = false;                  ///< lists() say how triangles came to be drawn
+    std::optional<Relief> relief = {};  ///< how heights are drawn exaggerated; hit() knows it, too
   };
   /// Adapts every object once, with its share of the budgets.
   /// @return true if what is drawn has changed since lists() was drawn last.
@@ -59,6 +60,7 @@ class Scene {
  private:
   std::vector<Object> objects_;
   std::vector<DrawList> lists_;
+  std::optional<Relief> relief_;  ///< of the last adapt()
 };
 
 }  // namespace cuesta::view

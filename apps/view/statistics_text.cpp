@@ -62,10 +62,12 @@ std::vector<std::string> statistics_lines(const FrameStatistics& s) {
   lines.push_back(fmt::format("upload     {} in {} calls", mebibytes(s.upload_bytes), s.upload_calls));
   lines.push_back(s.mode == ControlMode::orbit
                       ? fmt::format("{}; {}", mode_name(s.mode), state(s))
-                      : fmt::format("{}, {:.3g} units/s; {}", mode_name(s.mode), s.speed, state(s)));
+                      : fmt::format("{}, {:.3g} {}/s; {}", mode_name(s.mode), s.speed,
+                                    s.places.empty() ? "units" : "m", state(s)));
   if (s.unreadable_pages > 0)
     lines.push_back(fmt::format("{} pages cannot be read", grouped(s.unreadable_pages)));
   lines.push_back(s.driver);
+  lines.insert(lines.end(), s.places.begin(), s.places.end());
   return lines;
 }
 

@@ -25,6 +25,7 @@ struct FrameStatistics {
   std::uint32_t upload_calls = 0;
   std::uint64_t unreadable_pages = 0;
   bool frozen = false;
+  std::vector<std::string> places;  ///< lines about where the camera and the pointer are, on terrain
 };
 
 std::vector<std::string> statistics_lines(const FrameStatistics& s);

@@ -141,6 +141,13 @@ TEST(SurfaceRay, MeetsTheNearestTriangleInWorldUnits) {
         << "past the first";
     EXPECT_FALSE(distance_along(list, directory, {100, 0, 7}, {0, 0, 1})) << "behind";
     EXPECT_FALSE(distance_along(list, directory, {104.9, 4, 7}, {0, 0, -1})) << "beside";
+    Relief relief;  // z is up, heights above -2
+    relief.origin = {0, 0, -2};
+    relief.exaggeration = 3;
+    EXPECT_NEAR(distance_along(list, directory, {100, 0, 7}, {0, 0, -1}, relief).value_or(-1), 3, 1e-9)
+        << "drawn at 4";
+    EXPECT_NEAR(distance_along(list, directory, {100, 0, 3}, {0, 0, -1}, relief).value_or(-1), 29, 1e-9)
+        << "drawn at -26";
   }
 }
 
@@ -153,6 +160,21 @@ TEST(StatisticsText, TellsBudgetsOnlyWhereThereAreAny) {
   s.budgets.triangles = 2000000;
   const auto bound = statistics_lines(s);
   EXPECT_NE(std::find(bound.begin(), bound.end(), "triangles  1,234,567 of 2,000,000"), bound.end());
+}
+
+TEST(StatisticsText, OnTerrainItTellsPlacesAndMetres) {
+  FrameStatistics s;
+  s.mode = ControlMode::fly;
+  s.speed = 12;
+  const auto contains = [&](const std::string& words) {
+    const auto lines = statistics_lines(s);
+    return std::any_of(lines.begin(), lines.end(),
+                       [&](const std::string& line) { return line.find(words) != line.npos; });
+  };
+  EXPECT_TRUE(contains("fly, 12 units/s"));
+  s.places = {"camera     46.1 N 7.2 E"};
+  EXPECT_TRUE(contains("fly, 12 m/s"));
+  EXPECT_TRUE(contains("46.1 N"));
 }
 
 }  // namespace
