@@ -198,6 +198,7 @@ void take_numbers(const Taker& from, TerrainFacts& facts) {
   from.take("geoid", facts.geoid);
   from.take("least_m", facts.least_m);
   from.take("most_m", facts.most_m);
+  from.take("sea_level_m", facts.sea_level_m);
   if (from.has("bounds")) {
     const Taker box = from.within("bounds");
     facts.bounds.emplace();
@@ -228,11 +229,8 @@ const char* name(VerticalDatum datum) {
 
 std::string terrain_json(const TerrainFacts& f) {
   CUESTA_CHECK(f.least_m <= f.most_m, f.least_m, f.most_m);
-  Json json{{"frame", json_of(f.frame)},
-            {"heights", name(f.heights)},
-            {"geoid", f.geoid},
-            {"least_m", f.least_m},
-            {"most_m", f.most_m}};
+  Json json{{"frame", json_of(f.frame)}, {"heights", name(f.heights)}, {"geoid", f.geoid},
+            {"least_m", f.least_m},      {"most_m", f.most_m},         {"sea_level_m", f.sea_level_m}};
   if (f.bounds)
     for (const auto& [key, member] : box_numbers) json["bounds"][key] = *f.bounds.*member;
   json["spacing_m"] = f.spacing_m;

@@ -7,9 +7,9 @@
 ///     "terrain": { "frame": {"kind": "projected", "description": "…", "crs": {"method": "lambert_conformal",
 ///     …}},
 ///                  "heights": "ellipsoidal", "geoid": "egm96-15", "least_m": -3.5, "most_m": 8806,
-///                  "bounds": {"west": 86, "south": 27, "east": 87, "north": 28}, "spacing_m": 92.6,
-///                  "postings": 1442401, "no_data": 0, "filled": 12, "raised": 0,
-///                  "files": [{"name": "N27E086.hgt", "format": "SRTM", "crs": "EPSG:4326 …",
+///                  "sea_level_m": -30.1, "bounds": {"west": 86, "south": 27, "east": 87, "north": 28},
+///                  "spacing_m": 92.6, "postings": 1442401, "no_data": 0, "filled": 12, "raised": 0, "files":
+///                  [{"name": "N27E086.hgt", "format": "SRTM", "crs": "EPSG:4326 …",
 ///                             "vertical_datum": "orthometric", "vertical_name": "EGM96", "postings":
 ///                             1442401}] }
 
@@ -51,12 +51,15 @@ struct TerrainFacts {
   std::string
       geoid;  ///< ellipsoidal heights: that was added; orthometric ones: that they refer to; may be empty
   double least_m = 0, most_m = 0;  ///< of all heights
-  std::optional<GeoBox> bounds;    ///< of all postings with data, if known
-  double spacing_m = 0;            ///< of the finest raster's postings, about; 0: unknown
-  std::uint64_t postings = 0;      ///< with data
-  std::uint64_t no_data = 0;       ///< postings without, that are holes
-  std::uint64_t filled = 0;        ///< postings without, that were given heights
-  std::uint64_t raised = 0;        ///< postings lifted to the least height that was asked for
+  /// Height of the sea in the middle of the bounds, for its colours: the geoid's undulation there where
+  /// heights are ellipsoidal.
+  double sea_level_m = 0;
+  std::optional<GeoBox> bounds;  ///< of all postings with data, if known
+  double spacing_m = 0;          ///< of the finest raster's postings, about; 0: unknown
+  std::uint64_t postings = 0;    ///< with data
+  std::uint64_t no_data = 0;     ///< postings without, that are holes
+  std::uint64_t filled = 0;      ///< postings without, that were given heights
+  std::uint64_t raised = 0;      ///< postings lifted to the least height that was asked for
   std::vector<TerrainFile> files;
 };
 

@@ -10,8 +10,8 @@
 namespace cuesta::terrain_view {
 
 struct GroundRoute {
-  std::vector<LatLon>
-      places;  ///< at least two; empty: along the longer side of the bounds, through their middle
+  /// At least two; none: along the longer side of the bounds, through their middle.
+  std::vector<LatLon> places = {};
   double above_ground_m = 0;  ///< 0: a fiftieth of the route's length, at least 50 m
 };
 

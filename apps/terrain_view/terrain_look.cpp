@@ -70,7 +70,7 @@ Result<std::optional<TerrainLook>> terrain_look(const Directory& directory,
 
 void set_look(const TerrainLook& look, DrawOptions& options) {
   options.relief = look.relief;
-  options.heights = {look.facts.least_m, look.facts.most_m, look.has_colours};
+  options.heights = {look.facts.least_m, look.facts.most_m, look.facts.sea_level_m, look.has_colours};
 }
 
 Vec3d middle_of(const TerrainLook& look, std::span<const Vec3d> points) {

@@ -124,16 +124,18 @@ void GlRenderer::set_relief(const GlProgram& program, const Grid& grid, const Vi
                             const DrawOptions& options) {
   const HeightColours& h = options.heights;
   const Relief relief = options.relief.value_or(Relief{}).in(grid);
-  const double shore = std::min(grid.step, h.most / 2);  // vertices of a flat sea are on the grid, too
+  const double least = h.least - h.sea_level, most = h.most - h.sea_level;
+  const double shore = std::min(grid.step, most / 2);  // vertices of a flat sea are on the grid, too
   const auto number = [&](const char* name, double value) {
     gl_.Uniform1f(program.uniform(name), static_cast<float>(value));
   };
   cuesta::set_uniforms(gl_, program, relief_uniforms(relief, (view.eye - grid.origin) / grid.step));
   number("unit", grid.step);
   number("shore", std::max(shore, 0.0));
-  number("sea_floor", std::min(h.least, 0.0));
-  number("land_least", std::max(h.least, 0.0));
-  number("land_most", std::max({h.most, h.least + 1, 1.0}));
+  number("sea_level", h.sea_level);
+  number("sea_floor", std::min(least, 0.0));
+  number("land_least", std::max(least, 0.0));
+  number("land_most", std::max({most, least + 1, 1.0}));
   gl_.Uniform1i(program.uniform("vertex_colours"), h.vertex_colours ? 1 : 0);
 }
 

@@ -26,11 +26,11 @@ enum class Shading : std::uint8_t {
   relief,     ///< DrawOptions::relief: lit from the north-west of each place, coloured by height
 };
 
-/// Colours of heights for Shading::relief: blue at and below 0, then green, ochre and brown to rock and snow.
-/// In world units: the ramp runs from `least` (or 0, if that is higher) to `most`, the sea's from 0 to
-/// `least`.
+/// Colours of heights for Shading::relief: blue at and below the sea, then green, ochre and brown to rock and
+/// snow. In world units: the ramp runs from `least` (or the sea's level, if that is higher) to `most`, the
+/// sea's from its level down to `least`.
 struct HeightColours {
-  double least = 0, most = 0;
+  double least = 0, most = 0, sea_level = 0;
   bool vertex_colours = false;  ///< the vertices' colours instead, as of a draped image
 };
 

@@ -31,11 +31,12 @@ uniform float relief_eye_height;
 uniform float exaggeration;
 #ifdef RELIEF
 uniform float unit;  // world units per grid unit
+uniform float sea_level;  // world units
 
 out Place {
   vec3 up;    // camera frame
   vec3 north;
-  float height;  // world units
+  float height;  // above the sea, world units
 } place;
 #endif
 
@@ -76,7 +77,7 @@ void main() {
 #ifdef RELIEF
   place.up = rotation * up;
   place.north = rotation * (relief_kind == 1 ? relief_north : relief_north - up * dot(relief_north, up));
-  place.height = height * unit;
+  place.height = height * unit - sea_level;
 #endif
   surface.position = rotation * from_eye;
   surface.normal = rotation * normal;
@@ -140,7 +141,7 @@ in Place {
   float height;
 } place;
 
-uniform float shore;       // world units: up to it, it is sea
+uniform float shore;       // world units above the sea: up to it, it is sea
 uniform float sea_floor;   // <= 0
 uniform float land_least;
 uniform float land_most;

@@ -1,15 +1,23 @@
-/// What is parsed by our own code: GeoKeys (the first byte is even) and sidecars.
+/// What is parsed by our own code, by the first byte modulo 3: GeoKeys, sidecars, and facts in metadata.
 #include <cstring>
 
 #include "terrain/geo_keys.h"
 #include "terrain/raster_sidecar.h"
+#include "terrain/terrain_metadata.h"
 #include "tests/fuzz/fuzz_terrain.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace cuesta;
   if (size == 0) return 0;
   const std::string_view text(reinterpret_cast<const char*>(data) + 1, size - 1);
-  if (data[0] % 2 == 1) {
+  if (data[0] % 3 == 2) {
+    const auto facts = terrain_facts(text);
+    if (!facts && facts.error().message.empty()) std::abort();
+    if (facts && *facts && !terrain_facts("{\"terrain\":" + terrain_json(**facts) + "}").value())
+      std::abort();
+    return 0;
+  }
+  if (data[0] % 3 == 1) {
     RasterOptions options;
     const auto parsed = parse_sidecar(text, "a.json", options);
     if (!parsed && parsed.error().message.empty()) std::abort();

@@ -53,6 +53,19 @@ TEST(DrawRelief, HeightsHaveColours) {
   EXPECT_GT(brightness(snow), 3 * 225);
 }
 
+TEST(DrawRelief, TheSeaIsWhereItsLevelIs) {
+  // Heights above the ellipsoid where the sea is 45 above it, or 90 below.
+  for (const double level : {45.0, -90.0}) {
+    DrawOptions options = relief_look(level - 10, 2000);
+    options.heights.sea_level = level;
+    const Rgba8 sea = at(draw(ground([&](int, int) { return level; }), from_above(), options), 160, 120),
+                shore =
+                    at(draw(ground([&](int, int) { return level + 15; }), from_above(), options), 160, 120);
+    EXPECT_GT(sea[2], sea[0] + 30) << level;
+    EXPECT_GT(shore[1], shore[2] + 10) << level;
+  }
+}
+
 TEST(DrawRelief, ColoursOfAnImageStay) {
   Scene scene = ground([](int, int) { return 500.0; });
   for (DrawVertex& v : scene.vertices) v.colour = {200, 20, 20, 255};

@@ -23,6 +23,7 @@ TerrainFacts full_facts(Frame frame) {
   f.geoid = "egm96-15";
   f.least_m = -430.1;
   f.most_m = 8848.0 + 1.0 / 3;
+  f.sea_level_m = -100.0 / 3;
   f.bounds = GeoBox{179.5, -20.0 / 3, 181.25, 1e-300};
   f.spacing_m = 92.6;
   f.postings = 18446744073709551615u;
@@ -83,6 +84,7 @@ TEST(TerrainMetadata, NumbersSurviveBitForBit) {
   EXPECT_EQ(back.geoid, facts.geoid);
   expect_same(back.least_m, facts.least_m, "least");
   expect_same(back.most_m, facts.most_m, "most");
+  expect_same(back.sea_level_m, facts.sea_level_m, "sea level");
   EXPECT_EQ(back.bounds, facts.bounds);
   expect_same(back.spacing_m, facts.spacing_m, "spacing");
   EXPECT_EQ(back.postings, facts.postings);
