@@ -354,7 +354,9 @@ void add_look(CLI::App* app, Settings& s) {
 void add_render(CLI::App& program, Common& common) {
   Command<RenderSettings> c(
       program, "render", "Renders pictures of a .cuesta file.",
-      "Without a camera: the whole model, seen from the front, a little from the right and above.\n"
+      "Without a camera: the whole model, seen from the front, a little from the right and above;\n"
+      "terrain from the south. A globe seen as a whole shows its coasts at --tau 0.05 or less: heights\n"
+      "are far below a pixel there.\n"
       "A flight writes frame-00000.png …, frames.csv (statistics of each frame) and frames.svg (their\n"
       "plot) into the output folder. Its first frame is settled; then each frame adapts once, within\n"
       "the budgets, and what is left undone goes on in the next. With --video, PNGs are written only\n"

@@ -455,8 +455,9 @@ std::vector<std::string> Viewer::places() const {
   const auto height = controls_.height_above_ground();
   std::vector<std::string> lines{"camera     " + terrain_view::place_text(*look_, view.eye)};
   if (height) lines.push_back(fmt::format("           {:.1f} m above ground", *height));
-  lines.push_back((pointer_ ? "pointer    " : "centre     ") +
-                  (under ? terrain_view::place_text(*look_, *under) : std::string("-")));
+  lines.push_back(
+      (pointer_ ? "pointer    " : "centre     ") +
+      (under ? terrain_view::place_text(*look_, look_->relief.lowered(*under)) : std::string("-")));
   if (look_->relief.exaggeration != 1)
     lines.push_back(fmt::format("heights    drawn {:.3g} times as high", look_->relief.exaggeration));
   return lines;

@@ -100,8 +100,7 @@ View first_view(const TerrainLook& look, std::span<const Vec3d> points, View vie
   return fit_view(drawn, up * std::sin(first_elevation_rad) - north * std::cos(first_elevation_rad), view);
 }
 
-std::string place_text(const TerrainLook& look, Vec3d drawn) {
-  const Vec3d p = look.relief.lowered(drawn);
+std::string place_text(const TerrainLook& look, Vec3d p) {
   const Geodetic at = look.facts.frame.geodetic(p);
   if (!std::isfinite(at.lat_deg)) return fmt::format("x {:.1f} y {:.1f}, {:.1f} m", p.x, p.y, p.z);
   return fmt::format("{:.5f} {} {:.5f} {}, {:.1f} m", std::abs(at.lat_deg), at.lat_deg < 0 ? "S" : "N",

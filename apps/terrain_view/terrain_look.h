@@ -41,8 +41,7 @@ Vec3d middle_of(const TerrainLook& look, std::span<const Vec3d> points);
 View first_view(const TerrainLook& look, std::span<const Vec3d> points, View view);
 
 /// A point of the world as people say where it is: "46.12346 N 7.65432 E, 1234.5 m"; x and y of a plane that
-/// is nowhere.
-/// @param drawn  where it is drawn, with exaggeration.
-std::string place_text(const TerrainLook& look, Vec3d drawn);
+/// is nowhere. Of what is drawn exaggerated: Relief::lowered() first.
+std::string place_text(const TerrainLook& look, Vec3d p);
 
 }  // namespace cuesta::terrain_view

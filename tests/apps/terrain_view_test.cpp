@@ -82,11 +82,12 @@ TEST(TerrainLook, AGlobeHasItsPoleUp) {
   EXPECT_GT(view.eye.x, 1e7) << "of the meridian in the middle of the bounds";
 }
 
-TEST(TerrainLook, PlacesAsTextAreNotExaggerated) {
+TEST(TerrainLook, PlacesAsText) {
   TerrainLook look = look_at(Frame::ecef());
   look.relief.exaggeration = 5;
   const Vec3d p = look.facts.frame.position_m(Geodetic{-46.25, 7.5, 1234.5});
-  EXPECT_EQ(place_text(look, look.relief.raised(p)), "46.25000 S 7.50000 E, 1234.5 m");
+  EXPECT_EQ(place_text(look, p), "46.25000 S 7.50000 E, 1234.5 m");
+  EXPECT_EQ(place_text(look, look.relief.lowered(look.relief.raised(p))), place_text(look, p));
 }
 
 TEST(GroundFlight, KeepsItsHeightAboveTheGround) {
