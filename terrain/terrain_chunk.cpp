@@ -151,6 +151,19 @@ Result<void> TerrainChunk::add(const Vertex& v, SurfaceChunk& out) const {
   return {};
 }
 
+Result<void> TerrainChunk::add_colours(std::span<const Vertex> all, SurfaceChunk& out) const {
+  std::vector<LatLon> places;
+  places.reserve(all.size());
+  for (const Vertex& v : all) {
+    const PostingRef at = v.elsewhere ? *v.elsewhere : place(v.at);
+    const MosaicLayer& layer = surface_.layers_[at.layer];
+    const double column = static_cast<double>(at.column), row = static_cast<double>(at.row);
+    places.push_back(layer.crs.lat_lon({layer.map.x(column, row), layer.map.y(column, row)}));
+  }
+  out.vertices.colours.resize(all.size());
+  return surface_.options_.drape->sample(places, out.vertices.colours);
+}
+
 Result<SurfaceChunk> TerrainChunk::make() {
   if (auto r = read(); !r) return fail(r.error());
   collect(LatticePatch(window_.square.width, window_.square.height, window_.has_height));
@@ -161,6 +174,8 @@ Result<SurfaceChunk> TerrainChunk::make() {
   out.vertices.reserve(all.size(), surface_.attributes);
   for (const Vertex& v : all)
     if (auto r = add(v, out); !r) return fail(r.error());
+  if (surface_.attributes.colours)
+    if (auto r = add_colours(all, out); !r) return fail(r.error());
   out.wedge.assign(all.size(), 0);
   const std::uint64_t side = surface_.store_.squares().side();
   out.first_free = vertex_id(chunk_, static_cast<std::uint32_t>(LatticePatch::most_fans * side * side));

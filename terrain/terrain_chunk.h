@@ -53,6 +53,7 @@ class TerrainChunk {
   std::vector<Vertex> vertices() const;
   Result<void> add(const Vertex& vertex, SurfaceChunk& out) const;
   bool is_locked(const Vertex& vertex) const;
+  Result<void> add_colours(std::span<const Vertex> all, SurfaceChunk& out) const;
 
   const TerrainSurface& surface_;
   std::uint32_t chunk_;

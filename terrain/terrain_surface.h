@@ -11,6 +11,7 @@
 #include "ooc/memory_budget.h"
 #include "ooc/work_folder.h"
 #include "terrain/frame.h"
+#include "terrain/image_drape.h"
 #include "terrain/mosaic.h"
 #include "terrain/posting_positions.h"
 #include "terrain/posting_store.h"
@@ -24,6 +25,7 @@ struct TerrainOptions {
   double step_m = 0;
   std::uint32_t square_side = 384;  ///< of a chunk, postings: 9 cells of 2^15 triangles
   bool make_normals = true;
+  const ImageDrape* drape = nullptr;  ///< gives colours; outlives the surface
 };
 
 /// What the survey found.

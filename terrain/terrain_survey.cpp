@@ -55,6 +55,7 @@ class TerrainSurvey {
     surface->figures_ = figures_;
     surface->vertical = frame_.vertical_m();
     surface->attributes.normals = options_.make_normals;
+    surface->attributes.colours = options_.drape != nullptr;
     if (auto r = look_at_chunks(*surface); !r) return fail(r.error());
     return surface;
   }

@@ -160,6 +160,7 @@ Result<void> build_terrain(WorkFolder& folder, const BuildSettings& s, BuildFact
   TerrainOptions options;
   options.step_m = s.step;
   options.make_normals = s.make_normals;
+  options.drape = input->drape.get();
   auto surface = TerrainSurface::survey(*input->mosaic, input->facts.frame, options, folder, memory, update);
   if (!surface) return fail(surface.error());
   note_survey(**surface, *input->mosaic, input->facts);

@@ -26,6 +26,7 @@ std::vector<std::filesystem::path> all_files(const BuildSettings& settings) {
     const auto of_raster = files_of_raster(path);
     files.insert(files.end(), of_raster.begin(), of_raster.end());
   }
+  if (!settings.terrain.drape.empty()) files.push_back(settings.terrain.drape);
   return files;
 }
 

@@ -115,6 +115,9 @@ nlohmann::ordered_json terrain_of(const TerrainSettings& t) {
   if (t.fill_postings > 0) object["fill_postings"] = t.fill_postings;
   if (t.zoom) object["zoom"] = *t.zoom;
   if (!t.variable.empty()) object["variable"] = t.variable;
+  if (!t.drape.empty()) object["drape"] = t.drape.filename().string();
+  if (const auto& b = t.drape_bounds)
+    object["drape_bounds"] = {b->west_deg, b->south_deg, b->east_deg, b->north_deg};
   return object;
 }
 

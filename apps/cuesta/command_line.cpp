@@ -182,6 +182,10 @@ void add_terrain(CLI::App* app, TerrainSettings& t) {
   app->add_option("--zoom", t.zoom, "level of a folder of tiles, z/x/y.png; default: the finest")
       ->type_name("Z")
       ->group(group);
+  add_path(app, "--drape", t.drape, "image that colours the terrain: JPEG, PNG or GeoTIFF")->group(group);
+  add_parsed(app, "--drape-bounds", "W,S,E,N", "degrees between which the image lies, if it does not say so",
+             [&t](const std::string& text) { return (t.drape_bounds = parse_geo_box(text)).has_value(); })
+      ->group(group);
   app->add_option("--variable", t.variable, "of netCDF files")->type_name("NAME")->group(group);
 }
 

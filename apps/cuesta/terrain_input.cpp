@@ -166,6 +166,16 @@ Result<TerrainInput> open_terrain(std::span<const std::filesystem::path> paths, 
   auto frame = frame_of(*in.mosaic, in.facts.bounds, s);
   if (!frame) return fail(frame.error());
   in.facts.frame = std::move(*frame);
+  if (in.geoid && in.facts.bounds) {
+    const GeoBox& b = *in.facts.bounds;
+    in.facts.sea_level_m = in.geoid->undulation_m(
+        {(b.south_deg + b.north_deg) / 2, std::remainder((b.west_deg + b.east_deg) / 2, 360.0)});
+  }
+  if (!s.drape.empty()) {
+    auto drape = ImageDrape::open(s.drape, {.bounds = s.drape_bounds, .temp = temp});
+    if (!drape) return fail(drape.error());
+    in.drape = std::make_unique<ImageDrape>(std::move(*drape));
+  }
   for (const MosaicLayer& layer : in.mosaic->layers())
     for (const std::uint32_t f : layer.files) {
       const RasterInfo& info = in.mosaic->infos()[f];

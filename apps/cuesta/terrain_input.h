@@ -12,6 +12,7 @@
 
 #include "ooc/result.h"
 #include "terrain/geoid.h"
+#include "terrain/image_drape.h"
 #include "terrain/mosaic.h"
 #include "terrain/terrain_metadata.h"
 #include "terrain/terrain_surface.h"
@@ -29,8 +30,10 @@ struct TerrainSettings {
   MosaicPriority priority = MosaicPriority::finest_first;
   std::optional<double> sea_level_m, no_data;
   std::uint32_t fill_postings = 0;
-  std::optional<unsigned> zoom;  ///< of a folder of tiles
-  std::string variable;          ///< of a netCDF file; empty: the only one
+  std::optional<unsigned> zoom;        ///< of a folder of tiles
+  std::string variable;                ///< of a netCDF file; empty: the only one
+  std::filesystem::path drape;         ///< image that gives the colours; empty: none
+  std::optional<GeoBox> drape_bounds;  ///< where it lies, if it does not say so
 };
 
 /// Whether a path is taken as a raster: by its name, or as it is a folder.
@@ -42,7 +45,8 @@ std::vector<std::filesystem::path> files_of_raster(const std::filesystem::path& 
 struct TerrainInput {
   std::unique_ptr<Geoid> geoid;  ///< null where none is needed
   std::unique_ptr<Mosaic> mosaic;
-  TerrainFacts facts;  ///< all but what only the survey knows
+  std::unique_ptr<ImageDrape> drape;  ///< null without an image
+  TerrainFacts facts;                 ///< all but what only the survey knows
 };
 
 /// @error of Mosaic::open(), Geoid::open() and Crs::from_name(); invalid_input: a frame that these files
