@@ -7,6 +7,11 @@
 /// The seams are the rest. No two triangles overlap, and every edge has at most two triangles, of opposite
 /// directions; edges with one are at the outer rim and at voids. Counter-clockwise from above.
 ///
+/// Layers of one reference system or several: a posting inside of a layer of more priority, or within about
+/// 0.7 of its own spacing (cover_reach, mosaic_cover.h), is not used; gaps up to about 2 spacings are seams
+/// (mosaic_seams.h), also where files only touch. Wider ones, and places where no layer has data, are voids
+/// with a border.
+///
 /// Threads: const calls are concurrent. Memory: memory_bytes(); infos of all files (about 1 KiB each), a row
 /// of heights at a pole, and of layers that meet others what lies along their common border: never a field.
 
@@ -97,6 +102,8 @@ struct MosaicCounts {
 class Mosaic {
  public:
   /// Opens every file once to see what it is.
+  /// Where layers meet, their postings there are read once: as many per second as read() gives, 2 to 10
+  /// million.
   /// @error of open_height_raster(); unsupported_version, invalid_input, not_found: a reference system that
   /// is
   ///        not known, by name and file, or files of which only some say where they are; invalid_input:
