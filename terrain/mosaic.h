@@ -102,12 +102,10 @@ struct MosaicCounts {
 class Mosaic {
  public:
   /// Opens every file once to see what it is.
-  /// Where layers meet, their postings there are read once: as many per second as read() gives, 2 to 10
-  /// million.
   /// @error of open_height_raster(); unsupported_version, invalid_input, not_found: a reference system that
-  /// is
-  ///        not known, by name and file, or files of which only some say where they are; invalid_input:
+  ///        is not known, by name and file; invalid_input: files of which only some say where they are,
   ///        heights above different datums without a geoid.
+  /// @cost  what layers have near each other is read once, about 10 million postings a second.
   static Result<Mosaic> open(std::span<const std::filesystem::path> files, const MosaicOptions& options = {});
 
   Mosaic(Mosaic&&) noexcept;

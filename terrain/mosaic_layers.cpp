@@ -71,7 +71,7 @@ Lattice lattice_of(const Crs& crs, PostingMap m, const RasterTurn& turn) {
   if (crs.geographic() && m.is_axis_aligned()) {
     const double around = full_turn(crs), count = std::round(around / m.x_per_column);
     const double exact = around / count, off = std::abs(exact / m.x_per_column - 1);
-    if (count >= 1 && count < most_steps && off <= lattice_spacing_tolerance &&
+    if (count >= 3 && count < most_steps && off <= lattice_spacing_tolerance &&
         off * double(turn.width) <= 0.5 * lattice_phase_tolerance) {
       m.x_per_column = exact;
       lattice.columns_around = static_cast<std::uint64_t>(count);

@@ -188,6 +188,8 @@ std::vector<LatLon> places_of(const CrsDefinition& d, std::mt19937_64& random) {
       places = {{90, 0}, {-90, 17}, {0, 180}, {12, -180}, {12, 179.9999999999}};
       for (int i = 0; i < 40; ++i) places.push_back({90 * unit(random), 180 * unit(random)});
       break;
+    case CrsMethod::plane:
+      break;  // is nowhere, and no code's
     case CrsMethod::lambert_conformal:
     case CrsMethod::albers: {
       const double middle = (d.parallel_1_deg + d.parallel_2_deg) / 2;
