@@ -47,7 +47,7 @@ class TerrainSurvey {
     if (squares_.count() >= 0xFFFFFF)
       return fail(ErrorCode::invalid_input, "", "",
                   "the mosaic is too wide for its spacing: more squares than a build can have");
-    if (auto r = folder_.check_room(mosaic_.postings() * sizeof(float), "the heights"); !r)
+    if (auto r = folder_.check_room(postings_in_files() * sizeof(float), "the heights"); !r)
       return fail(r.error());
     if (auto r = read_heights(); !r) return fail(r.error());
     auto surface =
@@ -61,9 +61,17 @@ class TerrainSurvey {
   }
 
  private:
+  /// At most so many have heights: between far files there are none.
+  std::uint64_t postings_in_files() const {
+    std::uint64_t sum = 0;
+    for (const RasterInfo& info : mosaic_.infos()) sum += info.width * info.height;
+    return std::min(sum, mosaic_.postings());
+  }
+
   Result<SquareHeights> read_square(std::uint64_t number) const {
     const LatticeSquare s = squares_.square(number);
     SquareHeights out;
+    if (!mosaic_.has_files(s.layer, {s.column, s.row, s.width, s.height})) return out;
     std::vector<double> heights(std::size_t{s.width} * s.height);
     if (auto r = mosaic_.read(s.layer, {s.column, s.row, s.width, s.height}, heights, &out.facts.counts); !r)
       return fail(r.error());
