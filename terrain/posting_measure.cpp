@@ -76,7 +76,6 @@ struct MeasuredTriangle {
 double most_distance(const MeasuredTriangle& t, const Vertical& vertical, const Vec3d* points,
                      std::size_t n) {
   double most = 0;
-  const double up_length = vertical.is_plane ? 1.0 : 0.0;
   for (std::size_t i = 0; i < n; ++i) {
     const Vec3d p = points[i];
     const Vec3d up = vertical.direction(p), q = p - t.a, m = cross(q, up);
@@ -86,9 +85,64 @@ double most_distance(const MeasuredTriangle& t, const Vertical& vertical, const 
     const double rounding = 1e-9 * upright;
     if (!(b >= -rounding && c >= -rounding && b + c <= upright + rounding && upright > 0)) continue;
     const double h = std::abs(dot(q, t.normal)) / upright;
-    most = std::max(most, up_length > 0 ? h : h * length(up));
+    most = std::max(most, vertical.is_plane ? h : h * length(up));
   }
   return most;
+}
+
+/// The image of a triangle's edges on a lattice, cut where they bend.
+class EdgeImage {
+ public:
+  EdgeImage(const PostingPositions& lattice, const std::array<Vec3d, 3>& corners_m) : lattice_(lattice) {
+    std::array<LatticePoint, 3> at;
+    for (std::size_t k = 0; k < 3; ++k) {
+      at[k] = lattice.lattice_point(corners_m[k], k == 0 ? 0 : at[0].column);
+      if (!std::isfinite(at[k].column) || !std::isfinite(at[k].row)) return;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t next = (k + 1) % 3;
+      cut(at[k], corners_m[k], at[next], corners_m[next], most_cuts);
+    }
+    for (const auto& [a, b] : edges)
+      for (const LatticePoint& p : {a, b}) {
+        top = std::min(top, p.row);
+        bottom = std::max(bottom, p.row);
+        west = std::min(west, p.column);
+        east = std::max(east, p.column);
+      }
+  }
+
+  std::vector<std::pair<LatticePoint, LatticePoint>> edges;  ///< none if a corner has no place on the lattice
+  double top = 1e300, bottom = -1e300, west = 1e300, east = -1e300;
+
+ private:
+  void cut(LatticePoint a, Vec3d a_m, LatticePoint b, Vec3d b_m, int cuts) {
+    const double apart = std::max(std::abs(a.column - b.column), std::abs(a.row - b.row));
+    if (lattice_.is_straight() || apart <= 2 || cuts == 0) {
+      edges.emplace_back(a, b);
+      return;
+    }
+    const Vec3d middle_m = (a_m + b_m) * 0.5;
+    const LatticePoint middle = lattice_.lattice_point(middle_m, a.column);
+    const double bulge = std::max(std::abs(middle.column - (a.column + b.column) / 2),
+                                  std::abs(middle.row - (a.row + b.row) / 2));
+    const int left = bulge <= most_bulge ? 0 : cuts - 1;
+    cut(a, a_m, middle, middle_m, left);
+    cut(middle, middle_m, b, b_m, left);
+  }
+
+  const PostingPositions& lattice_;
+};
+
+/// All columns of some rows, which go to the nearer pole.
+LatticeFootprint polar_footprint(const EdgeImage& image, std::int64_t width, std::int64_t height) {
+  const bool north = (image.top + image.bottom) / 2 < static_cast<double>(height) / 2;
+  LatticeFootprint f;
+  f.first_row = north ? 0 : std::max<std::int64_t>(0, static_cast<std::int64_t>(std::floor(image.top - 1)));
+  const std::int64_t end =
+      north ? std::min<std::int64_t>(height, static_cast<std::int64_t>(std::ceil(image.bottom + 2))) : height;
+  f.columns.assign(static_cast<std::size_t>(std::max<std::int64_t>(0, end - f.first_row)), {0, width - 1});
+  return f;
 }
 
 }  // namespace
@@ -96,126 +150,80 @@ double most_distance(const MeasuredTriangle& t, const Vertical& vertical, const 
 LatticeFootprint PostingMeasure::footprint(std::uint32_t layer, const std::array<Vec3d, 3>& corners_m) const {
   const PostingPositions& lattice = surface_.positions_[layer];
   const auto height = static_cast<std::int64_t>(surface_.layers_[layer].height);
-  std::array<LatticePoint, 3> at;
-  for (std::size_t k = 0; k < 3; ++k) {
-    at[k] = lattice.lattice_point(corners_m[k], k == 0 ? 0 : at[0].column);
-    if (!std::isfinite(at[k].column) || !std::isfinite(at[k].row)) return {0, {}};
+  const EdgeImage image(lattice, corners_m);
+  if (image.edges.empty()) return {};
+  if (const double around = lattice.columns_around(); around > 0 && !lattice.is_straight()) {
+    const auto is_polar = [&](Vec3d p) {
+      return std::abs(surface_.frame_.geodetic(p).lat_deg) > polar_latitude_deg;
+    };
+    if (image.east - image.west > around / 2 - 1 || std::any_of(corners_m.begin(), corners_m.end(), is_polar))
+      return polar_footprint(image, static_cast<std::int64_t>(surface_.layers_[layer].width), height);
   }
-  std::vector<std::pair<LatticePoint, LatticePoint>> edges;
-  const auto cut = [&](auto& self, LatticePoint a, Vec3d pa, LatticePoint b, Vec3d pb, int cuts) -> void {
-    const double apart = std::max(std::abs(a.column - b.column), std::abs(a.row - b.row));
-    if (lattice.is_straight() || apart <= 2 || cuts == 0) {
-      edges.emplace_back(a, b);
-      return;
-    }
-    const Vec3d middle = (pa + pb) * 0.5;
-    const LatticePoint m = lattice.lattice_point(middle, a.column);
-    const double bulge =
-        std::max(std::abs(m.column - (a.column + b.column) / 2), std::abs(m.row - (a.row + b.row) / 2));
-    if (bulge <= most_bulge) {
-      edges.emplace_back(a, m);
-      edges.emplace_back(m, b);
-      return;
-    }
-    self(self, a, pa, m, middle, cuts - 1);
-    self(self, m, middle, b, pb, cuts - 1);
-  };
-  for (std::size_t k = 0; k < 3; ++k)
-    cut(cut, at[k], corners_m[k], at[(k + 1) % 3], corners_m[(k + 1) % 3], most_cuts);
-  double top = 1e300, bottom = -1e300, west = 1e300, east = -1e300;
-  for (const auto& [a, b] : edges)
-    for (const LatticePoint& p : {a, b}) {
-      top = std::min(top, p.row);
-      bottom = std::max(bottom, p.row);
-      west = std::min(west, p.column);
-      east = std::max(east, p.column);
-    }
-  // Around a pole, or as wide as half the Earth: all columns of its rows, and all rows to the pole.
-  const double around = lattice.columns_around();
-  const auto latitude = [&](Vec3d p) { return std::abs(surface_.frame_.geodetic(p).lat_deg); };
-  const bool polar =
-      around > 0 && !lattice.is_straight() &&
-      (east - west > around / 2 - 1 || std::any_of(corners_m.begin(), corners_m.end(), [&](Vec3d p) {
-         return latitude(p) > polar_latitude_deg;
-       }));
-  if (polar) {
-    const double middle = static_cast<double>(height) / 2;
-    const bool north = (top + bottom) / 2 < middle;
-    LatticeFootprint f;
-    f.first_row = north ? 0 : std::max<std::int64_t>(0, static_cast<std::int64_t>(std::floor(top - 1)));
-    const std::int64_t last =
-        north ? std::min<std::int64_t>(height - 1, static_cast<std::int64_t>(std::ceil(bottom + 1)))
-              : height - 1;
-    const auto width = static_cast<std::int64_t>(surface_.layers_[layer].width);
-    for (std::int64_t r = f.first_row; r <= last; ++r) f.columns.push_back({0, width - 1});
-    return f;
-  }
-  const auto first = std::max<std::int64_t>(0, static_cast<std::int64_t>(std::ceil(top - footprint_margin)));
-  const auto last =
-      std::min<std::int64_t>(height - 1, static_cast<std::int64_t>(std::floor(bottom + footprint_margin)));
+  const auto first =
+      std::max<std::int64_t>(0, static_cast<std::int64_t>(std::ceil(image.top - footprint_margin)));
+  const auto last = std::min<std::int64_t>(
+      height - 1, static_cast<std::int64_t>(std::floor(image.bottom + footprint_margin)));
   FootprintBuilder builder(first, last);
-  for (const auto& [a, b] : edges) builder.add_edge(a, b);
+  for (const auto& [a, b] : image.edges) builder.add_edge(a, b);
   return builder.take();
+}
+
+/// The part of a run of columns that a layer has, which begins with column 0; a lattice on the globe may have
+/// it one turn farther on.
+std::array<std::int64_t, 2> PostingMeasure::columns_in_layer(std::uint32_t layer,
+                                                             std::array<std::int64_t, 2> columns) const {
+  auto [first, last] = columns;
+  const LatticeSquares::Extent& extent = surface_.store_.squares().extent(layer);
+  const auto width = static_cast<std::int64_t>(extent.width);
+  if (extent.closes) return last - first >= width ? std::array<std::int64_t, 2>{0, width - 1} : columns;
+  const auto around = static_cast<std::int64_t>(std::llround(surface_.positions_[layer].columns_around()));
+  const std::int64_t turn = around > 0 && first >= width ? -around : around > 0 && last < 0 ? around : 0;
+  return {std::max<std::int64_t>(first + turn, 0), std::min<std::int64_t>(last + turn, width - 1)};
+}
+
+/// Cuts a footprint at the sides of squares.
+void PostingMeasure::add_runs(std::uint32_t triangle, std::uint32_t layer, const LatticeFootprint& footprint,
+                              std::vector<PlacedRun>& runs) const {
+  const LatticeSquares& squares = surface_.store_.squares();
+  const auto width = static_cast<std::int64_t>(squares.extent(layer).width);
+  for (std::size_t i = 0; i < footprint.columns.size(); ++i) {
+    const auto row = static_cast<std::uint64_t>(footprint.first_row + static_cast<std::int64_t>(i));
+    if (footprint.columns[i][0] > footprint.columns[i][1]) continue;
+    const auto [first, last] = columns_in_layer(layer, footprint.columns[i]);
+    for (std::int64_t c = first; c <= last;) {
+      const auto column = static_cast<std::uint64_t>((c % width + width) % width);
+      const auto in_square = static_cast<std::uint32_t>(column % squares.side());
+      const std::int64_t left =
+          std::min<std::int64_t>({last - c, squares.side() - in_square - std::int64_t{1},
+                                  width - 1 - static_cast<std::int64_t>(column)});
+      const std::uint64_t square = squares.number_at(layer, column, row);
+      if (surface_.store_.chunk_of(square) != no_chunk)
+        runs.push_back({square,
+                        {triangle, static_cast<std::uint32_t>(row % squares.side()), in_square,
+                         in_square + static_cast<std::uint32_t>(left)}});
+      c += left + 1;
+    }
+  }
 }
 
 std::vector<PostingMeasure::SquareRuns> PostingMeasure::runs_of(
     std::span<const std::array<Vec3i, 3>> triangles) const {
-  const LatticeSquares& squares = surface_.store_.squares();
-  struct Placed {
-    std::uint64_t square;
-    Run run;
-  };
-  std::vector<std::vector<Placed>> parts(triangles.size() / 256 + 1);
+  constexpr std::size_t part_size = 256;
+  std::vector<std::vector<PlacedRun>> parts((triangles.size() + part_size - 1) / part_size);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
-    for (std::size_t t = part * 256; t < std::min(triangles.size(), part * 256 + 256); ++t) {
-      const std::array<Vec3d, 3> corners{surface_.grid.world(triangles[t][0]),
-                                         surface_.grid.world(triangles[t][1]),
-                                         surface_.grid.world(triangles[t][2])};
-      for (std::uint32_t layer = 0; layer < surface_.layers_.size(); ++layer) {
-        const LatticeFootprint f = footprint(layer, corners);
-        const auto width = static_cast<std::int64_t>(squares.extent(layer).width);
-        for (std::size_t i = 0; i < f.columns.size(); ++i) {
-          auto [first, last] = f.columns[i];
-          if (first > last) continue;
-          const auto row = static_cast<std::uint64_t>(f.first_row + static_cast<std::int64_t>(i));
-          if (squares.extent(layer).closes) {
-            if (last - first >= width) first = 0, last = width - 1;
-          } else {
-            // Not on the globe's other side: a lattice that does not close is met once.
-            const double around = surface_.positions_[layer].columns_around();
-            if (around > 0 && first >= width) {
-              const auto turn = static_cast<std::int64_t>(std::llround(around));
-              first -= turn, last -= turn;
-            } else if (around > 0 && last < 0) {
-              const auto turn = static_cast<std::int64_t>(std::llround(around));
-              first += turn, last += turn;
-            }
-            first = std::max<std::int64_t>(first, 0), last = std::min<std::int64_t>(last, width - 1);
-          }
-          for (std::int64_t c = first; c <= last;) {
-            const auto column = static_cast<std::uint64_t>((c % width + width) % width);
-            const std::uint64_t number = squares.number_at(layer, column, row);
-            const auto in_square = static_cast<std::uint32_t>(column % squares.side());
-            const std::int64_t end =
-                std::min<std::int64_t>({last, c + static_cast<std::int64_t>(squares.side() - in_square) - 1,
-                                        c + width - 1 - static_cast<std::int64_t>(column)});
-            if (surface_.store_.chunk_of(number) != no_chunk)
-              parts[part].push_back(
-                  {number,
-                   {static_cast<std::uint32_t>(t), static_cast<std::uint32_t>(row % squares.side()),
-                    in_square, in_square + static_cast<std::uint32_t>(end - c)}});
-            c = end + 1;
-          }
-        }
-      }
+    for (std::size_t t = part * part_size; t < std::min(triangles.size(), (part + 1) * part_size); ++t) {
+      const auto& [a, b, c] = triangles[t];
+      const std::array corners_m{surface_.grid.world(a), surface_.grid.world(b), surface_.grid.world(c)};
+      for (std::uint32_t layer = 0; layer < surface_.layers_.size(); ++layer)
+        add_runs(static_cast<std::uint32_t>(t), layer, footprint(layer, corners_m), parts[part]);
     }
   });
-  std::vector<Placed> all;
-  for (auto& p : parts) all.insert(all.end(), p.begin(), p.end());
+  std::vector<PlacedRun> all;
+  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
   std::stable_sort(all.begin(), all.end(),
-                   [](const Placed& a, const Placed& b) { return a.square < b.square; });
+                   [](const PlacedRun& a, const PlacedRun& b) { return a.square < b.square; });
   std::vector<SquareRuns> out;
-  for (const Placed& p : all) {
+  for (const PlacedRun& p : all) {
     if (out.empty() || out.back().square != p.square) out.push_back({p.square, {}});
     out.back().runs.push_back(p.run);
   }

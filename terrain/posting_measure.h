@@ -27,15 +27,23 @@ class PostingMeasure {
   Result<void> measure(std::span<const std::array<Vec3i, 3>> triangles, std::span<float> distances) const;
 
  private:
-  struct Run {  // of a triangle's footprint, in one square
+  struct Run {  ///< of a triangle's footprint, in one square
     std::uint32_t triangle = 0;
-    std::uint32_t row = 0, first = 0, last = 0;  // within the square
+    std::uint32_t row = 0, first = 0, last = 0;  ///< within the square
+  };
+  struct PlacedRun {
+    std::uint64_t square = 0;
+    Run run;
   };
   struct SquareRuns {
     std::uint64_t square = 0;
     std::vector<Run> runs;
   };
   LatticeFootprint footprint(std::uint32_t layer, const std::array<Vec3d, 3>& corners_m) const;
+  std::array<std::int64_t, 2> columns_in_layer(std::uint32_t layer,
+                                               std::array<std::int64_t, 2> columns) const;
+  void add_runs(std::uint32_t triangle, std::uint32_t layer, const LatticeFootprint& footprint,
+                std::vector<PlacedRun>& runs) const;
   std::vector<SquareRuns> runs_of(std::span<const std::array<Vec3i, 3>> triangles) const;
   Result<void> measure_square(const SquareRuns& square, std::span<const std::array<Vec3i, 3>> triangles,
                               std::span<float> distances) const;
