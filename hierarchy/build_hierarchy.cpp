@@ -269,7 +269,7 @@ class HierarchyBuilder {
     const RoundCells cells(chunk, std::move(partition));
     ChunkOutput out;
     out.cells.resize(cells.cell_count());
-    const CellOptions options{state.round, plan.base, options_.round_reduction};
+    const CellOptions options{state.round, plan.base, options_.round_reduction, options_.cache};
     std::vector<std::optional<Error>> errors(cells.cell_count());
     tbb::parallel_for(0u, cells.cell_count(), [&](std::uint32_t i) {
       auto cell = run_cell_task(cells.cell(i), chunk, surface_, options);

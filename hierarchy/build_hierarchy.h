@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "hierarchy/cell_cache.h"
 #include "hierarchy/page_codec.h"
 #include "ooc/build_progress.h"
 #include "ooc/input_surface.h"
@@ -17,6 +18,7 @@ namespace cuesta {
 struct BuildOptions {
   std::uint32_t cell_triangles = 1u << 15;  ///< largest cell; also the largest base page
   double round_reduction = 4;               ///< a cell is simplified to its triangles divided by this, > 1
+  CellCache* cache = nullptr;               ///< outlives the build; changes no byte of the result
   std::string metadata = "{}";              ///< JSON object that is kept in the file
 };
 

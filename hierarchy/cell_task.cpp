@@ -111,7 +111,8 @@ Result<CellOutput> run_cell_task(Cell cell, const RoundChunk& chunk, const Input
   if (!options.base)
     simplify.target_triangles =
         static_cast<std::uint32_t>(static_cast<double>(page.triangles.size()) / options.round_reduction);
-  SimplifyResult simplified = simplify_cell(std::move(cell.mesh), simplify);
+  SimplifyResult simplified = options.cache ? options.cache->simplify(std::move(cell.mesh), simplify)
+                                            : simplify_cell(std::move(cell.mesh), simplify);
   page.script = std::move(simplified.script);
   if (simplified.errors_are_estimates && surface.vertical)
     if (auto r = make_errors_exact(surface, positions, births, page, simplified.survivors); !r)

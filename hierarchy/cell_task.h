@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hierarchy/cell_cache.h"
 #include "hierarchy/directory.h"
 #include "hierarchy/page_codec.h"
 #include "hierarchy/page_survivors.h"
@@ -19,6 +20,7 @@ struct CellOptions {
   std::uint32_t round = 0;
   bool base = false;           ///< the last page: everything stays
   double round_reduction = 4;  ///< the cell is simplified to its triangles divided by this, > 1
+  CellCache* cache = nullptr;  ///< what cells became before; changes no result
 };
 
 /// What is kept in the journal of a finished task, but for where its bytes lie.

@@ -192,14 +192,13 @@ void PostingMeasure::add_runs(std::uint32_t triangle, std::uint32_t layer, const
     const auto [first, last] = columns_in_layer(layer, footprint.columns[i]);
     for (std::int64_t c = first; c <= last;) {
       const auto column = static_cast<std::uint64_t>((c % width + width) % width);
-      const auto in_square = static_cast<std::uint32_t>(column % squares.side());
-      const std::int64_t left =
-          std::min<std::int64_t>({last - c, squares.side() - in_square - std::int64_t{1},
-                                  width - 1 - static_cast<std::int64_t>(column)});
-      const std::uint64_t square = squares.number_at(layer, column, row);
-      if (surface_.store_.chunk_of(square) != no_chunk)
-        runs.push_back({square,
-                        {triangle, static_cast<std::uint32_t>(row % squares.side()), in_square,
+      const std::uint64_t number = squares.number_at(layer, column, row);
+      const LatticeSquare square = squares.square(number);
+      const auto in_square = static_cast<std::uint32_t>(column - square.column);
+      const std::int64_t left = std::min<std::int64_t>(last - c, square.width - in_square - std::int64_t{1});
+      if (surface_.store_.chunk_of(number) != no_chunk)
+        runs.push_back({number,
+                        {triangle, static_cast<std::uint32_t>(row - square.row), in_square,
                          in_square + static_cast<std::uint32_t>(left)}});
       c += left + 1;
     }

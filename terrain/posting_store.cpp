@@ -1,18 +1,32 @@
 #include "terrain/posting_store.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "ooc/check.h"
 
 namespace cuesta {
+namespace {
+
+/// How many postings of the square that posting 0 lies in are before it.
+std::uint64_t phase_of(double at_0, double spacing, std::uint32_t side) {
+  const double number = std::round(at_0 / spacing);
+  const double phase = number - std::floor(number / side) * side;
+  return std::abs(number) < 1e15 ? static_cast<std::uint64_t>(phase) : 0;
+}
+
+}  // namespace
 
 LatticeSquares::LatticeSquares(const std::vector<MosaicLayer>& layers, std::uint32_t side) : side_(side) {
   first_.push_back(0);
   for (const MosaicLayer& layer : layers) {
+    const PostingMap& m = layer.map;
+    column_.push_back({m.is_axis_aligned() ? phase_of(m.x0, m.x_per_column, side) : 0});
+    row_.push_back({m.is_axis_aligned() ? phase_of(m.y0, m.y_per_row, side) : 0});
     extents_.push_back({layer.width, layer.height, layer.closes()});
-    columns_.push_back((layer.width + side - 1) / side);
-    first_.push_back(first_.back() + columns_.back() * ((layer.height + side - 1) / side));
+    columns_.push_back(column_.back().square_of(layer.width - 1, side) + 1);
+    first_.push_back(first_.back() + columns_.back() * (row_.back().square_of(layer.height - 1, side) + 1));
   }
 }
 
@@ -20,11 +34,14 @@ LatticeSquare LatticeSquares::square(std::uint64_t number) const {
   CUESTA_CHECK(number < count(), number, count());
   const auto after = std::upper_bound(first_.begin(), first_.end(), number);
   const auto layer = static_cast<std::uint32_t>(after - first_.begin() - 1);
-  const std::uint64_t within = number - first_[layer];
-  const std::uint64_t column = within % columns_[layer] * side_, row = within / columns_[layer] * side_;
-  return {layer, column, row,
-          static_cast<std::uint32_t>(std::min<std::uint64_t>(side_, extents_[layer].width - column)),
-          static_cast<std::uint32_t>(std::min<std::uint64_t>(side_, extents_[layer].height - row))};
+  const std::uint64_t i = (number - first_[layer]) % columns_[layer],
+                      j = (number - first_[layer]) / columns_[layer];
+  const auto start = [this](const Phase& phase, std::uint64_t square) { return phase.start(square, side_); };
+  const std::uint64_t column = start(column_[layer], i), row = start(row_[layer], j);
+  const std::uint64_t right = std::min(start(column_[layer], i + 1), extents_[layer].width);
+  const std::uint64_t bottom = std::min(start(row_[layer], j + 1), extents_[layer].height);
+  return {layer, column, row, static_cast<std::uint32_t>(right - column),
+          static_cast<std::uint32_t>(bottom - row)};
 }
 
 std::uint32_t PostingStore::add(std::uint64_t square) {
@@ -56,7 +73,8 @@ Result<void> PostingStore::read_run(std::uint32_t layer, std::uint64_t column, s
     return {};
   }
   const std::uint64_t side = squares_.side();
-  const std::uint64_t posting = (chunk * side + row % side) * side + column % side;
+  const std::uint64_t posting =
+      (chunk * side + squares_.row_within(layer, row)) * side + squares_.column_within(layer, column);
   return file_.read_at(posting * sizeof(float), std::as_writable_bytes(heights_m));
 }
 
@@ -79,9 +97,10 @@ Result<void> PostingStore::read(std::uint32_t layer, std::int64_t column, std::i
         out[c++] = std::numeric_limits<float>::quiet_NaN();
         continue;
       }
-      const auto in_square = static_cast<std::uint64_t>(at_column) % squares_.side();
-      const std::uint64_t run = std::min(
-          {squares_.side() - in_square, extent.width - static_cast<std::uint64_t>(at_column), width - c});
+      const LatticeSquare square = squares_.square(squares_.number_at(
+          layer, static_cast<std::uint64_t>(at_column), static_cast<std::uint64_t>(at_row)));
+      const std::uint64_t in_square = static_cast<std::uint64_t>(at_column) - square.column;
+      const std::uint64_t run = std::min(square.width - in_square, width - c);
       if (auto r2 = read_run(layer, static_cast<std::uint64_t>(at_column), static_cast<std::uint64_t>(at_row),
                              out.subspan(c, run));
           !r2)

@@ -12,7 +12,7 @@
 
 namespace cuesta {
 
-/// A square of a layer's lattice, cut off at its right and lower rim.
+/// A square of a layer's lattice, cut off at the layer's rim.
 struct LatticeSquare {
   std::uint32_t layer = 0;
   std::uint64_t column = 0, row = 0;
@@ -20,6 +20,7 @@ struct LatticeSquare {
 };
 
 /// How the lattices of all layers are cut into squares. Squares are numbered layer by layer, row by row.
+/// Their sides lie where they do whatever files a layer has: counted from 0 of its system's coordinates.
 class LatticeSquares {
  public:
   LatticeSquares(const std::vector<MosaicLayer>& layers, std::uint32_t side);
@@ -29,7 +30,15 @@ class LatticeSquares {
   LatticeSquare square(std::uint64_t number) const;
   /// @pre the posting is in the layer
   std::uint64_t number_at(std::uint32_t layer, std::uint64_t column, std::uint64_t row) const {
-    return first_[layer] + row / side_ * columns_[layer] + column / side_;
+    return first_[layer] + row_[layer].square_of(row, side_) * columns_[layer] +
+           column_[layer].square_of(column, side_);
+  }
+  /// How far into its square a column or row is.
+  std::uint32_t column_within(std::uint32_t layer, std::uint64_t column) const {
+    return column_[layer].within(column, side_);
+  }
+  std::uint32_t row_within(std::uint32_t layer, std::uint64_t row) const {
+    return row_[layer].within(row, side_);
   }
   struct Extent {
     std::uint64_t width = 0, height = 0;
@@ -38,7 +47,20 @@ class LatticeSquares {
   const Extent& extent(std::uint32_t layer) const { return extents_[layer]; }
 
  private:
+  /// The first square along a side is cut off by `before` postings.
+  struct Phase {
+    std::uint64_t before = 0;
+    std::uint64_t square_of(std::uint64_t i, std::uint64_t side) const { return (i + before) / side; }
+    std::uint64_t start(std::uint64_t square, std::uint64_t side) const {
+      return square == 0 ? 0 : square * side - before;
+    }
+    std::uint32_t within(std::uint64_t i, std::uint64_t side) const {
+      return static_cast<std::uint32_t>(i - start(square_of(i, side), side));
+    }
+  };
+
   std::uint32_t side_;
+  std::vector<Phase> column_, row_;  // by layer
   std::vector<Extent> extents_;
   std::vector<std::uint64_t> columns_, first_;  // squares in a row, and before the layer
 };

@@ -51,7 +51,9 @@ PostingRef TerrainSurface::place(std::uint32_t layer, std::int64_t column, std::
 VertexId TerrainSurface::id_of(const PostingRef& at, std::uint32_t fan) const {
   const std::uint64_t side = store_.squares().side();
   const std::uint32_t chunk = store_.chunk_of(store_.squares().number_at(at.layer, at.column, at.row));
-  return vertex_id(chunk, static_cast<std::uint32_t>((fan * side + at.row % side) * side + at.column % side));
+  const std::uint32_t column = store_.squares().column_within(at.layer, at.column),
+                      row = store_.squares().row_within(at.layer, at.row);
+  return vertex_id(chunk, static_cast<std::uint32_t>((fan * side + row) * side + column));
 }
 
 std::span<const SeamTriangle> TerrainSurface::seams_of(std::uint32_t chunk) const {

@@ -14,7 +14,9 @@ namespace {
 
 constexpr const char* store_name = "postings";
 /// Widest surface in grid steps, a little less than a build takes (2^24).
-constexpr double most_steps = 15'900'000;
+constexpr double most_steps = 15'700'000;
+/// The grid's origin is a multiple of so many steps, so that a surface that grows a little keeps its grid.
+constexpr double steps_of_origin = 1 << 20;
 constexpr double steps_per_spacing = 256;
 constexpr double largest_step_m = 0.5;
 
@@ -179,7 +181,8 @@ class TerrainSurvey {
                   fmt::format("a grid step of {} m is too small for {} km; give at least {:.3g} m", step,
                               extent / 1000, extent / most_steps));
     while (extent / step > most_steps) step *= 2;
-    const auto down = [step](double x) { return std::floor(x / step) * step; };
+    const double unit = step * steps_of_origin;
+    const auto down = [unit](double x) { return std::floor(x / unit) * unit; };
     return Grid{{down(box.lo.x), down(box.lo.y), down(box.lo.z)}, step};
   }
 

@@ -77,14 +77,24 @@ bool is_resumable(ErrorCode code) {
   return code == ErrorCode::cancelled || code == ErrorCode::io || code == ErrorCode::out_of_budget;
 }
 
+/// Another program may make something else of the same input.
+std::string program_identity() {
+  std::error_code failed;
+  const auto program = std::filesystem::last_write_time("/proc/self/exe", failed);
+  return fmt::format("{} {}", version_number(), failed ? 0 : program.time_since_epoch().count());
+}
+
 /// What unfinished work is worth: nothing to another program, nor after a restart of the machine, as it is
 /// not synced to the disk.
 std::string work_fingerprint(const std::string& fingerprint) {
   std::string boot;
   std::ifstream("/proc/sys/kernel/random/boot_id") >> boot;
-  std::error_code failed;
-  const auto program = std::filesystem::last_write_time("/proc/self/exe", failed);
-  return fmt::format("{} {} {}", fingerprint, boot, failed ? 0 : program.time_since_epoch().count());
+  return fmt::format("{} {} {}", fingerprint, boot, program_identity());
+}
+
+std::filesystem::path cells_path(const BuildSettings& s) {
+  auto path = s.output;
+  return path += ".cells";
 }
 
 /// A run that ended between giving the output its name and tidying up left its work folder.
@@ -140,9 +150,21 @@ Result<void> build_pages(const InputSurface& surface, WorkFolder& folder, const 
   BuildOptions options;
   options.cell_triangles = s.cell_triangles;
   options.metadata = build_metadata(facts, s);
+  std::optional<CellCache> cache;
+  if (s.incremental) {
+    auto opened = CellCache::open(cells_path(s), program_identity());
+    if (!opened) return fail(opened.error());
+    cache.emplace(std::move(*opened));
+    options.cache = &*cache;
+  }
   auto built = build_hierarchy(surface, s.output, options, folder, memory, update);
   if (!built) return fail(built.error());
   facts.built = *built;
+  if (cache) {
+    cache->remove_unused();
+    facts.cells_made = cache->made();
+    facts.cells_known = cache->found();
+  }
   return {};
 }
 

@@ -22,6 +22,7 @@ struct BuildSettings {
   VolumeOptions volume;      ///< of inputs that are volumes
   TerrainSettings terrain;   ///< of inputs that are rasters of heights
   bool make_normals = true;  ///< where the input has none
+  bool incremental = false;  ///< keep what cells became, in <output>.cells, and use what is there
   bool force = false;        ///< build also when the output is up to date
   bool resume = true;        ///< go on with what an interrupted build left
   bool quiet = false;

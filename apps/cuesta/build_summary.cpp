@@ -223,6 +223,9 @@ std::string build_summary(const BuildFacts& f, const BuildSettings& settings) {
   text += row("hierarchy", fmt::format("{} rounds, {} pages, {} fans, {} substitutions", f.built.rounds,
                                        with_commas(f.built.pages), with_commas(f.built.fans),
                                        with_commas(f.built.substitutions)));
+  if (f.cells_made + f.cells_known > 0)
+    text += row("", fmt::format("{} of {} cells were known from the build before", with_commas(f.cells_known),
+                                with_commas(f.cells_made + f.cells_known)));
   text += row("file", fmt::format("{}, {:.2f} bytes per triangle", byte_count(f.built.file_bytes),
                                   static_cast<double>(f.built.file_bytes) / triangles));
   text += row("time",

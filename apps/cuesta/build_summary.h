@@ -28,7 +28,8 @@ struct BuildFacts {
   BuildReport built;
   std::optional<TerrainFacts> terrain;
   std::vector<std::string> warnings;
-  std::uint64_t triangles = 0, vertices = 0;  ///< of the clean surface
+  std::uint64_t cells_made = 0, cells_known = 0;  ///< of an incremental build
+  std::uint64_t triangles = 0, vertices = 0;      ///< of the clean surface
   AttributeSet attributes;
   double seconds = 0;
 };

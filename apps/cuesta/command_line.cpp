@@ -263,6 +263,9 @@ void add_build(CLI::App& program, Common& common) {
       ->check(CLI::Range(0.0, 1.0));
   add_terrain(c.app, s.terrain);
   c.app->add_flag("!--no-normals", s.make_normals, "do not compute normals where the input has none");
+  c.app->add_flag("--incremental", s.incremental,
+                  "keep what was simplified, in FILE.cells, and use what is there: after a change of some\n"
+                  "inputs only what they touch is done, with the same result (terrain: choose --origin)");
   c.app->add_flag("--force", s.force, "build also when the output is up to date");
   add_threads(c.app, common);
   add_quiet(c.app, s.quiet);

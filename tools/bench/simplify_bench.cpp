@@ -115,7 +115,7 @@ std::vector<Work> all_rounds(InputChunk input, std::size_t most_cells) {
   Partition partition = std::move(input.cells);
   const SpaceTree everywhere({}, 1, identity_axes);
   for (std::uint32_t round = 0;; ++round) {
-    const CellOptions options{round, partition.cell_count() == 1, reduction};
+    const CellOptions options{round, partition.cell_count() == 1, reduction, nullptr};
     const RoundCells cells(chunk, std::move(partition));
     ChunkCollector next(everywhere, 0);
     Work& work = rounds.emplace_back();
