@@ -60,9 +60,12 @@ void PostingPositions::of_globe(std::int64_t first_column, std::int64_t first_ro
     equator[c] = {m[2], m[5], 0};
   }
   // All frames but projected ones are linear in ECEF: the column's part once, not once a posting.
+  // Axes are taken where rounding is as small a share of them as of a position.
+  constexpr double far_m = 0x1p24;
   const Vec3d origin = frame_.of_ecef_m({});
-  const Vec3d z_axis = frame_.of_ecef_m({0, 0, 1}) - origin;
-  for (Vec3d& e : equator) e = frame_.of_ecef_m(e) - origin;
+  const auto axis = [&](Vec3d unit) { return (frame_.of_ecef_m(unit * far_m) - origin) / far_m; };
+  const Vec3d z_axis = axis({0, 0, 1});
+  for (Vec3d& e : equator) e = axis(e);
   for (std::uint64_t r = 0; r < height; ++r) {
     const double row = static_cast<double>(first_row + static_cast<std::int64_t>(r));
     const MeridianPoint at = meridian_point(crs_.lat_lon({map_.x0, map_.y(0, row)}).lat_deg);
