@@ -7,48 +7,39 @@
 #include <span>
 #include <vector>
 
+#include "terrain/lattice_footprint.h"
 #include "terrain/terrain_surface.h"
 
 namespace cuesta {
 
-/// Part of a lattice that holds every posting whose vertical goes through a triangle: a run of columns for
-/// each row.
-struct LatticeFootprint {
-  std::int64_t first_row = 0;
-  std::vector<std::array<std::int64_t, 2>>
-      columns;  ///< first and last of each row; empty runs have last < first
-};
-
 class PostingMeasure {
  public:
-  explicit PostingMeasure(const TerrainSurface& surface) : surface_(surface) {}
+  explicit PostingMeasure(const TerrainSurface& surface);
 
   /// As InputSurface::measure(). In the calling TBB arena; the same result for any number of threads.
   Result<void> measure(std::span<const std::array<Vec3i, 3>> triangles, std::span<float> distances) const;
 
  private:
-  struct Run {  ///< of a triangle's footprint, in one square
+  struct Run {  // of a triangle's footprint, in one square
     std::uint32_t triangle = 0;
-    std::uint32_t row = 0, first = 0, last = 0;  ///< within the square
-  };
-  struct PlacedRun {
-    std::uint64_t square = 0;
-    Run run;
+    std::uint32_t row = 0, first = 0, last = 0;  // within the square
   };
   struct SquareRuns {
     std::uint64_t square = 0;
     std::vector<Run> runs;
   };
-  LatticeFootprint footprint(std::uint32_t layer, const std::array<Vec3d, 3>& corners_m) const;
-  std::array<std::int64_t, 2> columns_in_layer(std::uint32_t layer,
-                                               std::array<std::int64_t, 2> columns) const;
-  void add_runs(std::uint32_t triangle, std::uint32_t layer, const LatticeFootprint& footprint,
-                std::vector<PlacedRun>& runs) const;
+  struct Placed {
+    std::uint64_t square = 0;
+    Run run;
+  };
+  void place(std::uint32_t triangle, std::uint32_t layer, const LatticeRun& run,
+             std::vector<Placed>& out) const;
   std::vector<SquareRuns> runs_of(std::span<const std::array<Vec3i, 3>> triangles) const;
   Result<void> measure_square(const SquareRuns& square, std::span<const std::array<Vec3i, 3>> triangles,
                               std::span<float> distances) const;
 
   const TerrainSurface& surface_;
+  std::vector<LatticeFootprints> footprints_;  // by layer
 };
 
 }  // namespace cuesta
