@@ -10,8 +10,8 @@ constexpr std::uint8_t no_fan = 0xFF;
 }
 
 LatticePatch::LatticePatch(std::uint32_t width, std::uint32_t height,
-                           std::span<const std::uint8_t> has_height)
-    : width_(width), height_(height), has_height_(has_height) {
+                           std::span<const std::uint8_t> has_height, PoleRows poles)
+    : width_(width), height_(height), poles_(poles), has_height_(has_height) {
   CUESTA_CHECK(has_height.size() == (std::size_t{width} + 3) * (height + 3), has_height.size(), width,
                height);
   is_full_ = std::all_of(has_height.begin(), has_height.end(), [](std::uint8_t has) { return has != 0; });
@@ -19,10 +19,10 @@ LatticePatch::LatticePatch(std::uint32_t width, std::uint32_t height,
 
 std::array<std::uint8_t, 4> LatticePatch::fans_of_quarters(std::int64_t x, std::int64_t y,
                                                            std::uint32_t& count) const {
-  const std::array<bool, 4> in{corners_of_cell(x, y - 1) >= 3, corners_of_cell(x - 1, y - 1) >= 3,
-                               corners_of_cell(x - 1, y) >= 3, corners_of_cell(x, y) >= 3};
-  // Between a quarter and the next lies this neighbour: north, west, south, east.
-  const std::array<bool, 4> edge{has(x, y - 1), has(x - 1, y), has(x, y + 1), has(x + 1, y)};
+  const std::array<bool, 4> in{is_in(x, y - 1), is_in(x - 1, y - 1), is_in(x - 1, y), is_in(x, y)};
+  // Between a quarter and the next lies this neighbour: north, west, south, east. A pole is all cells'.
+  const std::array<bool, 4> edge{has(x, y - 1) || is_pole(y - 1), has(x - 1, y),
+                                 has(x, y + 1) || is_pole(y + 1), has(x + 1, y)};
   std::array<std::uint8_t, 4> fan{no_fan, no_fan, no_fan, no_fan};
   count = 0;
   for (std::size_t q = 0; q < 4; ++q) {

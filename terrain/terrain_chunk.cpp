@@ -65,25 +65,24 @@ TerrainChunk::Key TerrainChunk::key_of(const LatticePatch::Corner& corner) const
   return (corner.y * (window_.square.width + 1) + corner.x) * LatticePatch::most_fans + corner.fan;
 }
 
-void TerrainChunk::collect(const LatticePatch& patch) {
+LatticePatch TerrainChunk::patch() const {
   const LatticeSquare& s = window_.square;
   const MosaicLayer& layer = surface_.layers_[s.layer];
-  const auto is_pole = [&](const LatticePatch::Corner& c) {
-    const std::uint64_t row = s.row + c.y;
-    return (layer.north_pole && row == 0) || (layer.south_pole && row + 1 == layer.height);
-  };
+  PoleRows poles;
+  const auto first = static_cast<std::int64_t>(s.row);
+  if (layer.north_pole && s.row <= 1) poles.north = -first;
+  if (layer.south_pole) poles.south = static_cast<std::int64_t>(layer.height) - 1 - first;
+  return LatticePatch(s.width, s.height, window_.has_height, poles);
+}
+
+void TerrainChunk::collect(const LatticePatch& patch) {
+  const LatticeSquare& s = window_.square;
   triangles_.clear();
   triangles_.reserve(std::size_t{2} * s.width * s.height);
   patch.for_triangles([&](std::array<LatticePatch::Corner, 3> corners) {
-    int at_pole = 0;
     for (LatticePatch::Corner& c : corners)
-      if (is_pole(c)) {
-        ++at_pole;
-        c.fan = 0;
-      } else if (c.fan > 0 && surface_.is_in_seam(place(c))) {
-        c.fan = 0;
-      }
-    if (at_pole < 2) triangles_.push_back(corners);
+      if (surface_.is_pole(s.layer, s.row + c.y) || (c.fan > 0 && surface_.is_in_seam(place(c)))) c.fan = 0;
+    triangles_.push_back(corners);
   });
 }
 
@@ -125,9 +124,7 @@ bool TerrainChunk::is_locked(const Vertex& v) const {
   const LatticeSquare& s = window_.square;
   if (v.elsewhere || v.at.x == 0 || v.at.y == 0 || v.at.x == s.width || v.at.y == s.height) return true;
   const PostingRef at = place(v.at);
-  const MosaicLayer& layer = surface_.layers_[s.layer];
-  const bool pole = layer.south_pole && at.row + 1 == layer.height;  // a northern one has y 0
-  return pole || surface_.is_in_seam(at);
+  return surface_.is_pole(at.layer, at.row) || surface_.is_in_seam(at);
 }
 
 Result<void> TerrainChunk::add(const Vertex& v, SurfaceChunk& out) const {
@@ -166,7 +163,7 @@ Result<void> TerrainChunk::add_colours(std::span<const Vertex> all, SurfaceChunk
 
 Result<SurfaceChunk> TerrainChunk::make() {
   if (auto r = read(); !r) return fail(r.error());
-  collect(LatticePatch(window_.square.width, window_.square.height, window_.has_height));
+  collect(patch());
   const auto all = vertices();
   SurfaceChunk out;
   out.ids.reserve(all.size());
@@ -207,8 +204,8 @@ Result<SurfaceChunk> TerrainChunk::make() {
 
 Result<TerrainChunk::Facts> TerrainChunk::facts() {
   if (auto r = read(); !r) return fail(r.error());
-  const LatticePatch patch(window_.square.width, window_.square.height, window_.has_height);
-  collect(patch);
+  const LatticePatch lattice = patch();
+  collect(lattice);
   Facts facts;
   facts.triangles = triangles_.size() + seams_.size();
   const LatticeSquare& s = window_.square;
@@ -216,10 +213,12 @@ Result<TerrainChunk::Facts> TerrainChunk::facts() {
     for (std::uint32_t x = 0; x < s.width; ++x) {
       const std::size_t i = window_.index(x, y);
       if (!window_.has_height[i]) continue;
-      const PostingRef at = place({x, y, 0});
-      if (at.column != s.column + x) continue;  // at a pole, where another posting stands for it
-      const bool in_seam = surface_.is_in_seam(at);
-      const std::uint32_t fans = in_seam ? 1 : patch.fans(x, y);
+      const PostingRef at{s.layer, s.column + x, s.row + y};
+      std::uint32_t fans = 0;
+      if (surface_.is_pole(s.layer, at.row))
+        fans = surface_.is_pole_vertex(at) ? 1 : 0;
+      else
+        fans = surface_.is_in_seam(at) ? 1 : lattice.fans(x, y);
       facts.vertices += fans;
       if (fans > 0) facts.box_m.add(window_.positions_m[i]);
     }

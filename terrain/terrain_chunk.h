@@ -47,7 +47,8 @@ class TerrainChunk {
   Result<void> read();
   Key key_of(const LatticePatch::Corner& corner) const;
   PostingRef place(const LatticePatch::Corner& corner) const;
-  /// The triangles of the square's own cells; those that a pole makes a line are left out.
+  LatticePatch patch() const;
+  /// The triangles of the square's own cells.
   void collect(const LatticePatch& patch);
   /// All vertices of the triangles and seams, by id.
   std::vector<Vertex> vertices() const;

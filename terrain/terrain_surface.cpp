@@ -21,7 +21,11 @@ bool before(const PostingRef& a, const PostingRef& b) {
 
 TerrainSurface::TerrainSurface(const Mosaic& mosaic, const Frame& frame, const TerrainOptions& options,
                                PostingStore store)
-    : layers_(mosaic.layers()), frame_(frame), options_(options), store_(std::move(store)) {
+    : layers_(mosaic.layers()),
+      frame_(frame),
+      options_(options),
+      store_(std::move(store)),
+      pole_fans_(layers_.size()) {
   for (const MosaicLayer& layer : layers_) positions_.emplace_back(frame, layer.crs, layer.map);
   seams_.assign(mosaic.seams().begin(), mosaic.seams().end());
   const auto square_of = [this](const SeamTriangle& t) {
@@ -43,9 +47,62 @@ PostingRef TerrainSurface::place(std::uint32_t layer, std::int64_t column, std::
   const MosaicLayer& l = layers_[layer];
   const auto width = static_cast<std::int64_t>(l.width);
   if (l.closes()) column = (column % width + width) % width;
-  const bool pole =
-      (l.north_pole && row == 0) || (l.south_pole && row + 1 == static_cast<std::int64_t>(l.height));
-  return {layer, pole ? 0 : static_cast<std::uint64_t>(column), static_cast<std::uint64_t>(row)};
+  PostingRef at{layer, static_cast<std::uint64_t>(column), static_cast<std::uint64_t>(row)};
+  if (!is_pole(layer, at.row)) return at;
+  const auto& fans = pole_fans_at(at);
+  const auto after = std::upper_bound(fans.begin(), fans.end(), at.column);
+  // Around the Earth the last fan goes on in the first cells.
+  at.column = fans.empty() ? 0 : after == fans.begin() ? fans.back() : *std::prev(after);
+  return at;
+}
+
+bool TerrainSurface::is_pole(std::uint32_t layer, std::uint64_t row) const {
+  const MosaicLayer& l = layers_[layer];
+  return (l.north_pole && row == 0) || (l.south_pole && row + 1 == l.height);
+}
+
+bool TerrainSurface::is_pole_vertex(const PostingRef& at) const {
+  const auto& fans = pole_fans_at(at);
+  return std::binary_search(fans.begin(), fans.end(), at.column);
+}
+
+Result<void> TerrainSurface::find_pole_fans() {
+  for (std::uint32_t l = 0; l < layers_.size(); ++l) {
+    const auto find = [&](bool is_there, std::uint64_t row,
+                          std::vector<std::uint64_t>& fans) -> Result<void> {
+      if (!is_there || layers_[l].height < 2) return {};
+      auto found = pole_fans(l, row);
+      if (!found) return fail(found.error());
+      fans = std::move(*found);
+      return {};
+    };
+    if (auto r = find(layers_[l].north_pole, 0, pole_fans_[l].north); !r) return r;
+    if (auto r = find(layers_[l].south_pole, layers_[l].height - 1, pole_fans_[l].south); !r) return r;
+  }
+  return {};
+}
+
+Result<std::vector<std::uint64_t>> TerrainSurface::pole_fans(std::uint32_t l, std::uint64_t pole_row) const {
+  const MosaicLayer& layer = layers_[l];
+  const auto pole = static_cast<std::int64_t>(pole_row);
+  std::vector<float> at_pole(layer.width + 1), beside(layer.width + 1);
+  if (auto r = store_.read(l, 0, pole, layer.width + 1, 1, at_pole); !r) return fail(r.error());
+  if (auto r = store_.read(l, 0, pole == 0 ? 1 : pole - 1, layer.width + 1, 1, beside); !r)
+    return fail(r.error());
+  const auto is_in = [&](std::uint64_t cell) {
+    return std::isfinite(beside[cell]) && std::isfinite(beside[cell + 1]) &&
+           (std::isfinite(at_pole[cell]) || std::isfinite(at_pole[cell + 1]));
+  };
+  std::vector<std::uint64_t> fans;
+  bool any = false;
+  for (std::uint64_t cell = 0; cell < layer.width; ++cell) {
+    if (!is_in(cell)) continue;
+    any = true;
+    const bool joins = cell > 0 ? is_in(cell - 1) : layer.closes() && is_in(layer.width - 1);
+    if (!joins) fans.push_back(cell);
+  }
+  if (any && fans.empty()) fans.push_back(0);
+  return fans;
 }
 
 VertexId TerrainSurface::id_of(const PostingRef& at, std::uint32_t fan) const {

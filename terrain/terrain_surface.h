@@ -63,19 +63,35 @@ class TerrainSurface final : public InputSurface {
   friend class PostingMeasure;
   TerrainSurface(const Mosaic& mosaic, const Frame& frame, const TerrainOptions& options, PostingStore store);
 
-  /// The posting that stands for one: at a pole all are one, and where a layer closes on itself columns go
-  /// around.
+  /// The posting that stands for one: where a layer closes on itself columns go around, and at a pole the
+  /// cells that edges join have one, that of the first of them. @param column  at a pole, that of a cell
   PostingRef place(std::uint32_t layer, std::int64_t column, std::int64_t row) const;
   VertexId id_of(const PostingRef& at, std::uint32_t fan) const;
   /// Corner 0 of these seams lies in the chunk's square.
   std::span<const SeamTriangle> seams_of(std::uint32_t chunk) const;
   bool is_in_seam(const PostingRef& at) const;
+  bool is_pole(std::uint32_t layer, std::uint64_t row) const;
+  /// Whether a vertex at a pole has this posting.
+  bool is_pole_vertex(const PostingRef& at) const;
+  /// Which cells at the poles begin a fan. @cost of reading two rows a pole
+  Result<void> find_pole_fans();
+  Result<std::vector<std::uint64_t>> pole_fans(std::uint32_t layer, std::uint64_t pole_row) const;
+
+  /// Columns of cells that begin a fan, rising.
+  struct PoleFans {
+    std::vector<std::uint64_t> north, south;
+  };
+  const std::vector<std::uint64_t>& pole_fans_at(const PostingRef& at) const {
+    return at.row == 0 && layers_[at.layer].north_pole ? pole_fans_[at.layer].north
+                                                       : pole_fans_[at.layer].south;
+  }
 
   const std::vector<MosaicLayer>& layers_;
   Frame frame_;
   TerrainOptions options_;
   PostingStore store_;
   std::vector<PostingPositions> positions_;  // by layer
+  std::vector<PoleFans> pole_fans_;          // by layer
   std::vector<std::uint64_t> chunk_triangles_;
   std::vector<SeamTriangle> seams_;          // by square of their corner 0
   std::vector<std::uint64_t> seam_squares_;  // of each

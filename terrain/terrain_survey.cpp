@@ -52,8 +52,10 @@ class TerrainSurvey {
     if (auto r = folder_.check_room(postings_in_files() * sizeof(float), "the heights"); !r)
       return fail(r.error());
     if (auto r = read_heights(); !r) return fail(r.error());
+    if (auto r = add_corner_squares(); !r) return fail(r.error());
     auto surface =
         std::unique_ptr<TerrainSurface>(new TerrainSurface(mosaic_, frame_, options_, std::move(*store_)));
+    if (auto r = surface->find_pole_fans(); !r) return fail(r.error());
     surface->figures_ = figures_;
     surface->vertical = frame_.vertical_m();
     surface->attributes.normals = options_.make_normals;
@@ -130,6 +132,25 @@ class TerrainSurvey {
           if (auto r = folder_.journal().record("heights", n, w.bytes()); !r) return r;
           return report("read");
         });
+  }
+
+  /// A square without heights makes a triangle if the three squares beyond its last corner meet there.
+  Result<void> add_corner_squares() {
+    const std::vector<float> none(std::size_t{options_.square_side} * options_.square_side,
+                                  std::numeric_limits<float>::quiet_NaN());
+    for (std::uint64_t n = 0; n < squares_.count(); ++n) {
+      if (store_->chunk_of(n) != no_chunk) continue;
+      const LatticeSquare s = squares_.square(n);
+      std::array<float, 4> corner;
+      if (auto r = store_->read(s.layer, static_cast<std::int64_t>(s.column + s.width - 1),
+                                static_cast<std::int64_t>(s.row + s.height - 1), 2, 2, corner);
+          !r)
+        return r;
+      if (!(std::isfinite(corner[1]) && std::isfinite(corner[2]) && std::isfinite(corner[3]))) continue;
+      if (auto r = store_->write(store_->add(n), std::span(none).first(std::size_t{s.width} * s.height)); !r)
+        return r;
+    }
+    return {};
   }
 
   Result<void> report(std::string_view stage) const {
