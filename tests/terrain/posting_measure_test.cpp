@@ -2,6 +2,7 @@
 
 #include "terrain/posting_measure.h"
 
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include "tests/terrain/small_terrains.h"
@@ -137,6 +138,7 @@ TEST(PostingMeasure, the_surface_itself_is_at_its_postings) {
 }
 
 TEST(PostingMeasure, same_bits_for_any_number_of_threads_and_squares) {
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 4);
   for (const SmallTerrain& terrain : test::small_terrains(9, 0.1)) {
     SCOPED_TRACE(terrain.name);
     Surveyed surveyed(terrain);
