@@ -89,7 +89,7 @@ bool get_vertical(ByteReader& r, Vertical& v) {
   v.is_plane = r.get<std::uint8_t>() != 0;
   for (double* x : {&v.centre.x, &v.centre.y, &v.centre.z, &v.stretch}) *x = r.get<double>();
   const double sum = length(v.axis) + length(v.centre) + v.stretch;
-  return r.ok() && std::isfinite(sum) && std::abs(length(v.axis) - 1) < 1e-6;
+  return r.ok() && std::isfinite(sum) && std::abs(length(v.axis) - 1) < 1e-6 && v.stretch > -1;
 }
 
 std::vector<std::byte> encode_directory(const Directory& d) {
