@@ -15,7 +15,7 @@
 namespace cuesta::app {
 namespace {
 
-/// Those that decide about the output: inputs, and what belongs to rasters.
+/// Those that decide about the output: inputs, what belongs to rasters and the image, a geoid of the user's.
 std::vector<std::filesystem::path> all_files(const BuildSettings& settings) {
   std::vector<std::filesystem::path> files;
   for (const auto& path : settings.inputs) {
@@ -26,7 +26,13 @@ std::vector<std::filesystem::path> all_files(const BuildSettings& settings) {
     const auto of_raster = files_of_raster(path);
     files.insert(files.end(), of_raster.begin(), of_raster.end());
   }
-  if (!settings.terrain.drape.empty()) files.push_back(settings.terrain.drape);
+  if (!settings.terrain.drape.empty()) {
+    const auto of_image = files_of_raster(settings.terrain.drape);
+    files.insert(files.end(), of_image.begin(), of_image.end());
+  }
+  std::error_code ignored;
+  if (std::filesystem::is_regular_file(settings.terrain.geoid, ignored))
+    files.emplace_back(settings.terrain.geoid);
   return files;
 }
 

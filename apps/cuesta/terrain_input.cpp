@@ -19,12 +19,29 @@ constexpr double widest_local_frame_deg = 10;
 constexpr std::array<std::string_view, 17> raster_names{".hgt", ".tif", ".tiff", ".asc", ".grd", ".png",
                                                         ".nc",  ".nc4", ".cdf",  ".dem", ".raw", ".bin",
                                                         ".i16", ".u16", ".i32",  ".f32", ".f64"};
-constexpr std::array<std::string_view, 6> sidecar_names{".json", ".prj", ".tfw", ".tifw", ".pgw", ".wld"};
 
 std::string lower_extension(const std::filesystem::path& path) {
   std::string text = path.extension().string();
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
+}
+
+/// Names beside a raster or an image that may say where it lies, or what it is: of JSON, projections and
+/// world files, of it as it is and as it is unpacked.
+std::vector<std::filesystem::path> sidecars_of(const std::filesystem::path& path) {
+  std::vector<std::filesystem::path> out;
+  auto unpacked = path.parent_path() / name_inside(path.filename());
+  if (lower_extension(unpacked) == ".zip") unpacked.replace_extension();
+  for (const auto& raster : {path, unpacked}) {
+    const std::string extension = raster.extension().string();
+    std::vector<std::string> names{".json", ".prj", ".wld", extension + "w"};
+    if (extension.size() == 4) names.push_back({'.', extension[1], extension[3], 'w'});
+    for (const std::string& name : names) {
+      out.push_back(raster.string() + name);
+      out.push_back(std::filesystem::path(raster).replace_extension(name));
+    }
+  }
+  return out;
 }
 
 /// Of all postings' rims.
@@ -134,13 +151,8 @@ std::vector<std::filesystem::path> files_of_raster(const std::filesystem::path& 
       if (at->is_regular_file(failed)) files.push_back(at->path());
   } else {
     files.push_back(path);
-    for (const std::string_view name : sidecar_names) {
-      auto appended = path, replaced = path;
-      appended += name;
-      replaced.replace_extension(name);
-      for (const auto& sidecar : {appended, replaced})
-        if (sidecar != path && std::filesystem::is_regular_file(sidecar, failed)) files.push_back(sidecar);
-    }
+    for (const auto& sidecar : sidecars_of(path))
+      if (sidecar != path && std::filesystem::is_regular_file(sidecar, failed)) files.push_back(sidecar);
   }
   std::sort(files.begin(), files.end());
   files.erase(std::unique(files.begin(), files.end()), files.end());

@@ -39,7 +39,7 @@ struct TerrainSettings {
 /// Whether a path is taken as a raster: by its name, or as it is a folder.
 bool is_raster(const std::filesystem::path& path);
 
-/// The files that decide about a raster: it, its tiles, its sidecars. Sorted.
+/// The files that decide about a raster or an image: it, its tiles, its sidecars. Sorted.
 std::vector<std::filesystem::path> files_of_raster(const std::filesystem::path& path);
 
 struct TerrainInput {
