@@ -146,8 +146,8 @@ TEST(HostileTerrain, TruncatedTiffIsToldWithItsPlace) {
 }
 
 TEST(HostileTerrain, SharedTiffsEndInAFileOrAMessage) {
-  CUESTA_NEED_SHARED(tiffs, "bad/tiff");
-  for (const auto& entry : std::filesystem::directory_iterator(tiffs)) {
+  CUESTA_NEED_SHARED(path, "bad/tiff");
+  for (const auto& entry : std::filesystem::directory_iterator(path)) {
     const TestFolder folder;
     SCOPED_TRACE(entry.path().filename());
     const Outcome o = run(folder, {"build", entry.path(), "-o", folder / "out.cuesta", "--quiet"});

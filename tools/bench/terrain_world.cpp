@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "terrain/crs_geokeys.h"
 #include "terrain/terrain_metadata.h"
@@ -17,6 +18,22 @@ constexpr std::uint64_t postings_at_once = std::uint64_t{1} << 23;
 int undulations_to(VerticalDatum wanted, VerticalDatum own) {
   if (wanted == VerticalDatum::unknown || own == VerticalDatum::unknown || wanted == own) return 0;
   return wanted == VerticalDatum::ellipsoidal ? 1 : -1;
+}
+
+/// Whether a cell at the posting has heights at three of its corners.
+bool has_triangle(std::span<const double> heights_m, std::uint64_t width, std::uint64_t column,
+                  std::uint64_t row) {
+  const auto columns = static_cast<std::int64_t>(width), rows = std::ssize(heights_m) / columns;
+  const auto x = static_cast<std::int64_t>(column), y = static_cast<std::int64_t>(row);
+  const auto known = [&](std::int64_t c, std::int64_t r) -> int {
+    return c >= 0 && r >= 0 && c < columns && r < rows &&
+           std::isfinite(heights_m[static_cast<std::size_t>(r * columns + c)]);
+  };
+  if (!known(x, y)) return false;
+  for (const int right : {-1, 1})
+    for (const int down : {-1, 1})
+      if (known(x + right, y) + known(x, y + down) + known(x + right, y + down) >= 2) return true;
+  return false;
 }
 
 }  // namespace
@@ -81,14 +98,21 @@ Result<void> TerrainWorld::visit_postings(const std::function<void(std::span<con
     const std::uint64_t width = sources_[s].raster->info().width, height = sources_[s].raster->info().height;
     const std::uint64_t band = std::clamp<std::uint64_t>(postings_at_once / width, 1, height);
     for (std::uint64_t first = 0; first < height; first += band) {
-      const Window window{0, first, width, std::min(band, height - first)};
+      const std::uint64_t end = std::min(first + band, height);
+      // And the rows before and after.
+      const std::uint64_t top = first - std::min<std::uint64_t>(first, 1);
+      const Window window{0, top, width, std::min(end + 1, height) - top};
       heights_m.resize(window.width * window.height);
-      postings.resize(heights_m.size());
+      postings.resize((end - first) * width);
       if (auto r = sources_[s].raster->read(window, heights_m); !r) return r;
       tbb::parallel_for(tbb::blocked_range<std::size_t>(0, postings.size(), 4096), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i)
-          postings[i] = position_m(s, static_cast<double>(i % width), static_cast<double>(first + i / width),
-                                   heights_m[i]);
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          const std::uint64_t column = i % width, row = first + i / width;
+          const double height_m = has_triangle(heights_m, width, column, row - top)
+                                      ? heights_m[(row - top) * width + column]
+                                      : std::numeric_limits<double>::quiet_NaN();
+          postings[i] = position_m(s, static_cast<double>(column), static_cast<double>(row), height_m);
+        }
       });
       visit(postings);
     }

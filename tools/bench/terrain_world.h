@@ -40,7 +40,8 @@ class TerrainWorld {
   measure::UpAt up() const;
 
   /// Calls visit() with the postings of whole rows, some millions at a time: all of them need not fit in
-  /// memory.
+  /// memory. NaN, too, are those that no triangle can have: in each cell two of the other corners or more are
+  /// no data.
   /// @error of HeightRaster::read().
   Result<void> visit_postings(const std::function<void(std::span<const Vec3d>)>& visit) const;
 
