@@ -176,7 +176,7 @@ Result<void> build_terrain(WorkFolder& folder, const BuildSettings& s, BuildFact
   };
   auto input = open_terrain(s.inputs, s.terrain, folder.path());
   if (!input) return fail(input.error());
-  facts.warnings = input->mosaic->warnings();
+  facts.warnings = input->warnings;
   auto for_mosaic = memory.reserve(input->mosaic->memory_bytes(), "blocks of rasters");
   if (!for_mosaic) return fail(for_mosaic.error());
   TerrainOptions options;

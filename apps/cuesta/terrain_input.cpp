@@ -83,6 +83,18 @@ const Crs* common_plane(const Mosaic& mosaic) {
   return std::all_of(mosaic.layers().begin(), mosaic.layers().end(), same) ? &first : nullptr;
 }
 
+/// Whether a plane that is nowhere on the Earth has coordinates as degrees have them.
+bool looks_like_degrees(const MosaicLayer& layer) {
+  if (layer.crs.definition().method != CrsMethod::plane) return false;
+  const PostingMap& map = layer.map;
+  const double columns = static_cast<double>(layer.width - 1), rows = static_cast<double>(layer.height - 1);
+  const auto within = [&](double column, double row) {
+    return std::abs(map.x(column, row)) <= 360 && std::abs(map.y(column, row)) <= 90;
+  };
+  return std::abs(map.x_per_column) < 1 && std::abs(map.y_per_row) < 1 && within(0, 0) &&
+         within(columns, rows);
+}
+
 Result<Frame> frame_of(const Mosaic& mosaic, const std::optional<GeoBox>& bounds, const TerrainSettings& s) {
   const Crs* plane = common_plane(mosaic);
   FrameChoice choice = s.frame;
@@ -173,6 +185,12 @@ Result<TerrainInput> open_terrain(std::span<const std::filesystem::path> paths, 
   auto mosaic = Mosaic::open(paths, *options);
   if (!mosaic) return fail(mosaic.error());
   in.mosaic = std::make_unique<Mosaic>(std::move(*mosaic));
+  in.warnings = in.mosaic->warnings();
+  for (const MosaicLayer& layer : in.mosaic->layers())
+    if (looks_like_degrees(layer))
+      in.warnings.push_back(paths[layer.files.front()].filename().string() +
+                            ": names no system and is taken as a plane in metres, but its coordinates look "
+                            "like degrees; if so, give --crs EPSG:4326");
   in.facts.heights = in.mosaic->heights();
   in.facts.bounds = bounds_of(*in.mosaic);
   auto frame = frame_of(*in.mosaic, in.facts.bounds, s);

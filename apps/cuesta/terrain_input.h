@@ -47,6 +47,8 @@ struct TerrainInput {
   std::unique_ptr<Mosaic> mosaic;
   std::unique_ptr<ImageDrape> drape;  ///< null without an image
   TerrainFacts facts;                 ///< all but what only the survey knows
+  std::vector<std::string> warnings;  ///< the mosaic's, and of files that are taken as a plane in metres but
+                                      ///< look like degrees
 };
 
 /// @error of Mosaic::open(), Geoid::open() and Crs::from_name(); invalid_input: a frame that these files
