@@ -67,21 +67,21 @@ TerrainChunk::Key TerrainChunk::key_of(const LatticePatch::Corner& corner) const
 
 LatticePatch TerrainChunk::patch() const {
   const LatticeSquare& s = window_.square;
-  const MosaicLayer& layer = surface_.layers_[s.layer];
-  PoleRows poles;
-  const auto first = static_cast<std::int64_t>(s.row);
-  if (layer.north_pole && s.row <= 1) poles.north = -first;
-  if (layer.south_pole) poles.south = static_cast<std::int64_t>(layer.height) - 1 - first;
-  return LatticePatch(s.width, s.height, window_.has_height, poles);
+  return LatticePatch(s.width, s.height, window_.has_height,
+                      surface_.pole_rows(s.layer, static_cast<std::int64_t>(s.row)));
 }
 
 void TerrainChunk::collect(const LatticePatch& patch) {
   const LatticeSquare& s = window_.square;
+  const SeamFans& seam_fans = surface_.seam_fans_;
   triangles_.clear();
   triangles_.reserve(std::size_t{2} * s.width * s.height);
   patch.for_triangles([&](std::array<LatticePatch::Corner, 3> corners) {
     for (LatticePatch::Corner& c : corners)
-      if (surface_.is_pole(s.layer, s.row + c.y) || (c.fan > 0 && surface_.is_in_seam(place(c)))) c.fan = 0;
+      if (surface_.is_pole(s.layer, s.row + c.y))
+        c.fan = 0;
+      else if (!seam_fans.postings().empty() && seam_fans.contains(place(c)))
+        c.fan = seam_fans.of_cells(place(c), c.fan);
     triangles_.push_back(corners);
   });
 }
@@ -103,12 +103,8 @@ std::vector<TerrainChunk::Vertex> TerrainChunk::vertices() const {
         (in_order && fan == 0 && x < s.width && y < s.height ? own : others).push_back(v);
       }
   for (const SeamTriangle& t : seams_)
-    for (const PostingRef& p : t)
-      others.push_back({surface_.id_of(surface_.place(p.layer, static_cast<std::int64_t>(p.column),
-                                                      static_cast<std::int64_t>(p.row)),
-                                       0),
-                        {},
-                        &p});
+    for (std::size_t k = 0; k < 3; ++k)
+      others.push_back({surface_.id_of(t[k], surface_.seam_vertex_fan(t, k)), {}, &t[k]});
   const auto by_id = [](const Vertex& a, const Vertex& b) { return a.id < b.id; };
   std::stable_sort(others.begin(), others.end(), by_id);
   std::vector<Vertex> all(own.size() + others.size());
@@ -124,7 +120,7 @@ bool TerrainChunk::is_locked(const Vertex& v) const {
   const LatticeSquare& s = window_.square;
   if (v.elsewhere || v.at.x == 0 || v.at.y == 0 || v.at.x == s.width || v.at.y == s.height) return true;
   const PostingRef at = place(v.at);
-  return surface_.is_pole(at.layer, at.row) || surface_.is_in_seam(at);
+  return surface_.is_pole(at.layer, at.row) || surface_.seam_fans_.contains(at);
 }
 
 Result<void> TerrainChunk::add(const Vertex& v, SurfaceChunk& out) const {
@@ -194,9 +190,7 @@ Result<SurfaceChunk> TerrainChunk::make() {
   for (const SeamTriangle& t : seams_) {
     Triangle corners{};
     for (std::size_t k = 0; k < 3; ++k)
-      corners[k] = number_of(surface_.id_of(surface_.place(t[k].layer, static_cast<std::int64_t>(t[k].column),
-                                                           static_cast<std::int64_t>(t[k].row)),
-                                            0));
+      corners[k] = number_of(surface_.id_of(t[k], surface_.seam_vertex_fan(t, k)));
     out.triangles.push_back(corners);
   }
   return out;
@@ -218,7 +212,7 @@ Result<TerrainChunk::Facts> TerrainChunk::facts() {
       if (surface_.is_pole(s.layer, at.row))
         fans = surface_.is_pole_vertex(at) ? 1 : 0;
       else
-        fans = surface_.is_in_seam(at) ? 1 : lattice.fans(x, y);
+        fans = surface_.seam_fans_.contains(at) ? surface_.seam_fans_.count(at) : lattice.fans(x, y);
       facts.vertices += fans;
       if (fans > 0) facts.box_m.add(window_.positions_m[i]);
     }

@@ -1,8 +1,11 @@
 #include "terrain/terrain_surface.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
-#include <tuple>
+#include <mutex>
+#include <optional>
 
 #include "terrain/posting_measure.h"
 #include "terrain/terrain_chunk.h"
@@ -10,11 +13,14 @@
 namespace cuesta {
 namespace {
 
-auto order_of(const PostingRef& p) {
-  return std::tuple(p.layer, p.row, p.column);
-}
-bool before(const PostingRef& a, const PostingRef& b) {
-  return order_of(a) < order_of(b);
+std::vector<SeamTriangle> by_square(std::span<const SeamTriangle> seams, const LatticeSquares& squares) {
+  const auto square_of = [&](const SeamTriangle& t) {
+    return squares.number_at(t[0].layer, t[0].column, t[0].row);
+  };
+  std::vector<SeamTriangle> out(seams.begin(), seams.end());
+  std::stable_sort(out.begin(), out.end(),
+                   [&](const SeamTriangle& a, const SeamTriangle& b) { return square_of(a) < square_of(b); });
+  return out;
 }
 
 }  // namespace
@@ -25,22 +31,12 @@ TerrainSurface::TerrainSurface(const Mosaic& mosaic, const Frame& frame, const T
       frame_(frame),
       options_(options),
       store_(std::move(store)),
-      pole_fans_(layers_.size()) {
+      pole_fans_(layers_.size()),
+      seams_(by_square(mosaic.seams(), store_.squares())),
+      seam_fans_(seams_) {
   for (const MosaicLayer& layer : layers_) positions_.emplace_back(frame, layer.crs, layer.map);
-  seams_.assign(mosaic.seams().begin(), mosaic.seams().end());
-  const auto square_of = [this](const SeamTriangle& t) {
-    return store_.squares().number_at(t[0].layer, t[0].column, t[0].row);
-  };
-  std::stable_sort(seams_.begin(), seams_.end(),
-                   [&](const SeamTriangle& a, const SeamTriangle& b) { return square_of(a) < square_of(b); });
-  for (const SeamTriangle& t : seams_) {
-    seam_squares_.push_back(square_of(t));
-    for (const PostingRef& p : t)
-      seam_postings_.push_back(
-          place(p.layer, static_cast<std::int64_t>(p.column), static_cast<std::int64_t>(p.row)));
-  }
-  std::sort(seam_postings_.begin(), seam_postings_.end(), before);
-  seam_postings_.erase(std::unique(seam_postings_.begin(), seam_postings_.end()), seam_postings_.end());
+  for (const SeamTriangle& t : seams_)
+    seam_squares_.push_back(store_.squares().number_at(t[0].layer, t[0].column, t[0].row));
 }
 
 PostingRef TerrainSurface::place(std::uint32_t layer, std::int64_t column, std::int64_t row) const {
@@ -120,8 +116,50 @@ std::span<const SeamTriangle> TerrainSurface::seams_of(std::uint32_t chunk) cons
                                    static_cast<std::size_t>(last - first));
 }
 
-bool TerrainSurface::is_in_seam(const PostingRef& at) const {
-  return std::binary_search(seam_postings_.begin(), seam_postings_.end(), at, before);
+PoleRows TerrainSurface::pole_rows(std::uint32_t layer, std::int64_t first_row) const {
+  const MosaicLayer& l = layers_[layer];
+  PoleRows poles;
+  if (l.north_pole && first_row <= 1) poles.north = -first_row;
+  if (l.south_pole) poles.south = static_cast<std::int64_t>(l.height) - 1 - first_row;
+  return poles;
+}
+
+/// From the four cells around a posting.
+Result<CellFans> TerrainSurface::cell_fans(const PostingRef& at) const {
+  const auto column = static_cast<std::int64_t>(at.column) - 1, row = static_cast<std::int64_t>(at.row) - 1;
+  const LatticeSquare around{at.layer, static_cast<std::uint64_t>(column), static_cast<std::uint64_t>(row), 2,
+                             2};
+  const auto window = read_postings(store_, positions_[at.layer], around);
+  if (!window) return fail(window.error());
+  CellFans fans;
+  LatticePatch(2, 2, window->has_height, pole_rows(at.layer, row))
+      .for_triangles([&](const std::array<LatticePatch::Corner, 3>& corners) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          if (corners[k].x != 1 || corners[k].y != 1) continue;
+          for (const LatticePatch::Corner& c : {corners[(k + 1) % 3], corners[(k + 2) % 3]})
+            fans.others[corners[k].fan].push_back(place(at.layer, column + c.x, row + c.y));
+        }
+      });
+  return fans;
+}
+
+Result<void> TerrainSurface::find_seam_fans() {
+  const auto postings = seam_fans_.postings();
+  std::vector<SeamFans::Split> splits(postings.size());
+  std::mutex mutex;
+  std::optional<Error> error;
+  tbb::parallel_for(std::size_t{0}, postings.size(), [&](std::size_t i) {
+    if (auto cells = cell_fans(postings[i])) {
+      splits[i] = seam_fans_.split(i, *cells, seams_);
+      return;
+    } else {
+      const std::lock_guard lock(mutex);
+      if (!error) error = std::move(cells).error();
+    }
+  });
+  if (error) return fail(std::move(*error));
+  seam_fans_.keep(std::move(splits));
+  return {};
 }
 
 Result<SurfaceChunk> TerrainSurface::chunk(std::uint32_t c) const {
