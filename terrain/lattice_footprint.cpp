@@ -160,7 +160,8 @@ std::vector<LatticeRun> LatticeFootprints::filled(const Outline& outline) const 
   const auto [first, last] = whole_numbers(outline.top, outline.bottom, layer_.height);
   if (first > last) return {};
   std::vector<std::array<double, 2>> columns(static_cast<std::size_t>(last - first + 1), {far, -far});
-  for (auto [a, b] : outline.edges) {
+  for (const auto& edge : outline.edges) {
+    LatticePoint a = edge[0], b = edge[1];
     if (a.row > b.row) std::swap(a, b);
     const double rise = b.row - a.row;
     const auto [r0, r1] = whole_numbers(a.row, b.row, layer_.height);

@@ -11,7 +11,7 @@ Result<void> OpenRasters::add(const std::filesystem::path& path) {
   if (!raster) return fail(std::move(raster).error());
   infos_.push_back((*raster)->info());
   largest_bytes_ = std::max(largest_bytes_, (*raster)->memory_bytes());
-  slots_.emplace_back(path);
+  slots_.emplace_back().path = path;
   keep(static_cast<std::uint32_t>(infos_.size() - 1), std::move(*raster));
   return {};
 }

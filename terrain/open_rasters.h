@@ -37,7 +37,7 @@ class OpenRasters {
   // Shared, so that a raster which is closed here stays open for those who are reading it.
   using Raster = std::shared_ptr<const HeightRaster>;
   struct Slot {
-    std::filesystem::path path;
+    std::filesystem::path path = {};
     std::mutex opening = {};
     Raster raster = nullptr;
     std::uint64_t last_use = 0;

@@ -42,6 +42,7 @@ class SeamFans {
 
   /// How many vertices a posting of seams is.
   std::uint32_t count(const PostingRef& at) const;
+  /// 0 of cell fan 0.
   std::uint32_t of_cells(const PostingRef& at, std::uint32_t cell_fan) const;
   std::uint32_t of_seam(std::size_t seam, std::size_t corner) const { return fans_[seam][corner]; }
 

@@ -80,7 +80,7 @@ void TerrainChunk::collect(const LatticePatch& patch) {
     for (LatticePatch::Corner& c : corners)
       if (surface_.is_pole(s.layer, s.row + c.y))
         c.fan = 0;
-      else if (!seam_fans.postings().empty() && seam_fans.contains(place(c)))
+      else if (c.fan > 0 && seam_fans.contains(place(c)))
         c.fan = seam_fans.of_cells(place(c), c.fan);
     triangles_.push_back(corners);
   });

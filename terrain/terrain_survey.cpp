@@ -56,6 +56,7 @@ class TerrainSurvey {
     auto surface =
         std::unique_ptr<TerrainSurface>(new TerrainSurface(mosaic_, frame_, options_, std::move(*store_)));
     if (auto r = surface->find_pole_fans(); !r) return fail(r.error());
+    if (auto r = surface->find_seam_fans(); !r) return fail(r.error());
     surface->figures_ = figures_;
     surface->vertical = frame_.vertical_m();
     surface->attributes.normals = options_.make_normals;
