@@ -263,7 +263,7 @@ TEST(TerrainSurface, what_makes_no_triangle_or_too_many_steps_is_refused) {
       "wide", {{"a.asc", test::grid(0, 0, 100'000, 3, std::vector<double>(9, 1))}}, plane, {}};
   const Error error = survey_error(wide, {.step_m = 0.001});
   EXPECT_EQ(error.code, ErrorCode::invalid_input);
-  EXPECT_NE(error.message.find("at least 0.0126 m"), std::string::npos) << error.message;
+  EXPECT_NE(error.message.find("at least 0.0127 m"), std::string::npos) << error.message;
 }
 
 /// What a survey wrote is taken, not read again: a second one with the files gone finds the same.
