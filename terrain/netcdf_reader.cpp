@@ -17,6 +17,7 @@
 #include "ooc/read_job.h"
 #include "ooc/temp_file.h"
 #include "terrain/block_raster.h"
+#include "terrain/netcdf_header.h"
 #include "terrain/raster_readers.h"
 
 namespace cuesta {
@@ -425,6 +426,7 @@ class NameForLibrary {
 }  // namespace
 
 RasterResult open_netcdf(RasterFile file, const RasterOptions& options) {
+  CUESTA_TRY(check_netcdf_header(file));
   const std::scoped_lock lock(turns);
   const auto name = NameForLibrary::of(file, options.temp);
   if (!name) return fail(name.error());

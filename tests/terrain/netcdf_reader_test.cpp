@@ -214,6 +214,22 @@ TEST(Netcdf, CutOffIsAMessage) {
   }
 }
 
+TEST(Netcdf, CountsBeyondTheFileAreNotBelieved) {
+  using namespace std::literals;
+  const test::ScratchFolder folder;
+  const auto head = "CDF\1\0\0\0\0"sv;
+  const std::vector<std::string> tails{"\0\0\0\12\261\0\0\2"s,                        // dimensions
+                                       "\0\0\0\12\0\0\0\1\177\0\0\0"s,                // the length of a name
+                                       "\0\0\0\0\0\0\0\0\0\0\0\14\177\377\377\377"s,  // attributes
+                                       "\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\13\177\0\0\0"s};  // variables
+  for (const std::string& tail : tails) {
+    const auto raster = open_height_raster(folder.write("a.nc", std::string(head) + tail));
+    ASSERT_FALSE(raster);
+    EXPECT_EQ(raster.error().code, ErrorCode::corrupt);
+    EXPECT_NE(raster.error().message.find("beyond the file"), std::string::npos) << raster.error().text();
+  }
+}
+
 TEST(Netcdf, RastersTakeTurnsOverAllThreads) {
   const test::ScratchFolder folder;
   const auto heights = test::ramp(101, 67);

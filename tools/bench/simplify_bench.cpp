@@ -17,6 +17,7 @@
 #include "hierarchy/input_chunk.h"
 #include "hierarchy/page_survivors.h"
 #include "hierarchy/simplify_cell.h"
+#include "ooc/ingest.h"
 #include "ooc/mesh_reader.h"
 
 namespace {
