@@ -5,6 +5,7 @@
 #include <chrono>
 #include <ctime>
 
+#include "ooc/ingest.h"
 #include "ooc/mesh_reader.h"
 #include "ooc/mesh_writer.h"
 #include "runtime/extract.h"
