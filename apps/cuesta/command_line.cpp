@@ -298,8 +298,8 @@ void add_render_budgets(CLI::App* app, Settings& s, const BudgetDefaults& defaul
   app->add_option("--tau", s.tau_px, "screen-space error to aim at, in pixels; default 1")
       ->type_name("PX")
       ->check(CLI::NonNegativeNumber);
-  app->add_option("--triangles", s.budgets.triangles, "never more triangles than this; default: no limit")
-      ->type_name("N");
+  add_parsed(app, "--triangles", "N", "never more triangles than this, such as 500k or 1M; default: no limit",
+             store(parse_count, s.budgets.triangles));
   app->add_option("--adapt-ms", s.budgets.adapt_ms,
                   std::string("time for changing the cut in a frame; default: ") + defaults.adapt)
       ->type_name("MS")
@@ -489,10 +489,9 @@ void add_export(CLI::App& program, Common& common) {
       });
   auto* triangles = add_parsed(c.app, "--triangles", "N", "the best mesh of at most N triangles",
                                [&s](const std::string& text) {
-                                 std::uint64_t value = 0;
-                                 if (!CLI::detail::lexical_cast(text, value) || value == 0) return false;
-                                 s.triangles = value;
-                                 return true;
+                                 const auto count = parse_count(text);
+                                 if (count) s.triangles = *count;
+                                 return count.has_value();
                                });
   auto* full = c.app->add_flag("--full", s.full, "everything, at full resolution");
   auto* camera = add_camera(c.app, s.camera);

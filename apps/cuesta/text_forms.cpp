@@ -88,6 +88,19 @@ std::optional<std::uint64_t> parse_bytes(std::string_view text) {
   return static_cast<std::uint64_t>(bytes);
 }
 
+std::optional<std::uint64_t> parse_count(std::string_view text) {
+  double unit = 1;
+  if (text.ends_with('k') || text.ends_with('K')) unit = 1e3;
+  if (text.ends_with('M')) unit = 1e6;
+  if (unit > 1) text.remove_suffix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  value *= unit;
+  if (!(value >= 1 && value < 1e18) || value != std::floor(value)) return std::nullopt;
+  return static_cast<std::uint64_t>(value);
+}
+
 bool parse_picture_size(std::string_view text, int& width_px, int& height_px) {
   const std::size_t cross = text.find('x');
   if (cross == std::string_view::npos) return false;

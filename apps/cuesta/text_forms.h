@@ -17,6 +17,8 @@ std::string duration(double seconds);         ///< "0.42 s", "3 min 20 s"
 
 /// "512M", "1.5 GiB", "65536": bytes; the units K, M, G, T are powers of 1024, B and iB may follow.
 std::optional<std::uint64_t> parse_bytes(std::string_view text);
+/// "250000", "500k", "1M": a count above 0; k and M are thousands and millions.
+std::optional<std::uint64_t> parse_count(std::string_view text);
 /// "1280x720": both in 1…16384.
 bool parse_picture_size(std::string_view text, int& width_px, int& height_px);
 /// "#rrggbb", "white", "black", "grey" or "transparent".
