@@ -1,7 +1,11 @@
-// cuesta-bench-fan compare NAME MESH FOLDER [up=x|y|z] [route] [slow=TAU]...: tables 1 to 3 of the fan-hierarchy's paper,
-//   of one model: the fan-hierarchy against a view-dependence tree, on the same flights in one run. Appends to
-//   FOLDER/fan_*.csv; with `route`, for a terrain in the plane x, y, also its figure 10, and every frame; with `slow`
-//   also flights a tenth as fast with other tau.
+// cuesta-bench-fan compare NAME MESH FOLDER [up=x|y|z] [route] [slow=TAU]...: tables 1 to 3 of the
+// fan-hierarchy's paper,
+//   of one model: the fan-hierarchy against a view-dependence tree, on the same flights in one run. Appends
+//   to FOLDER/fan_*.csv; with `route`, for a terrain in the plane x, y, also its figure 10, and every frame;
+//   with `slow` also flights a tenth as fast with other tau.
+// cuesta-bench-fan rates NAME MESH FOLDER [up=x|y|z]: what whole frames of both cost, the picture included,
+// by the
+//   software renderer. Appends to FOLDER/fan_rates.csv.
 // cuesta-bench-fan scene OUT.ply MESH...: models side by side.
 // cuesta-bench-fan plot FOLDER: FOLDER/fan.svg.
 #include <fmt/format.h>
@@ -21,6 +25,7 @@
 #include "runtime/flight.h"
 #include "runtime/view_fit.h"
 #include "tools/baselines/vdt_cut.h"
+#include "tools/bench/fan_frame_rate.h"
 #include "tools/bench/fan_inputs.h"
 
 namespace {
@@ -94,16 +99,18 @@ class Comparison {
   Comparison(const Comparison&) = delete;
   Comparison& operator=(const Comparison&) = delete;
 
-  Result<void> build(const std::filesystem::path& mesh) {
+  /// @param write_times  a row of fan_models.csv, for which the build is done twice
+  Result<void> build(const std::filesystem::path& mesh, bool write_times = true) {
     auto one = bench::build_file(mesh, path_, 1);
     if (!one) return fail(one.error());
-    auto two = bench::build_file(mesh, path_, 2);
+    auto two = write_times ? bench::build_file(mesh, path_, 2) : one;
     if (!two) return fail(two.error());
     if (auto opened = open(); !opened) return opened;
     auto built = bench::build_tree(*fan_);
     if (!built) return fail(built.error());
     tree_ = std::move(built->tree);
     vdt_ = std::make_unique<VdtCut>(tree_);
+    if (!write_times) return {};
     const Directory& d = fan_->directory();
     CsvFile csv(
         folder_ / "fan_models.csv",
@@ -114,7 +121,8 @@ class Comparison {
                         name_, d.vertices, d.triangles, one->ingest.processor, one->build.processor,
                         one->build.wall, two->build.processor, two->build.wall, built->build.processor,
                         built->build.wall, one->report.fans, one->report.substitutions,
-                        tree_.internal_nodes(), fan_bytes(), tree_.bytes(), 8, std::filesystem::file_size(path_), d.pages.size()));
+                        tree_.internal_nodes(), fan_bytes(), tree_.bytes(), 8,
+                        std::filesystem::file_size(path_), d.pages.size()));
     return {};
   }
 
@@ -132,6 +140,43 @@ class Comparison {
     if (is_route) return {};
     const double error_tau = tau_of_equal_error(way);
     write(way, "equal error", error_tau, run(way, error_tau));
+    return {};
+  }
+
+  /// Writes what frames of both cost with the same measured error, every tenth of them drawn.
+  Result<void> draw(const Way& way) {
+    if (auto opened = open(); !opened) return opened;
+    const double vdt_tau = tau_of_equal_error(way);
+    auto rate = bench::FrameRate::create(fan_->directory().grid, tree_);
+    if (!rate) return fail(rate.error());
+    settle_fan(way, way.views.front());
+    settle_tree(way.views.front(), vdt_tau);
+    std::vector<double> fan_ms, vdt_ms, fan_adapt_ms, vdt_adapt_ms;
+    double fan_triangles = 0, vdt_triangles = 0;
+    for (std::size_t i = 0; i < way.views.size(); ++i) {
+      const ErrorScale s = scale(way.views[i]);
+      const double start = thread_ms();
+      fan_triangles += static_cast<double>(fan_->adapt(s, way.tau, {}).triangles);
+      const DrawList list = fan_->draw_list();
+      const double listed = thread_ms();
+      vdt_triangles += static_cast<double>(vdt_->adapt(s, vdt_tau).triangles);
+      const double adapted = thread_ms();
+      auto fan_drawn = rate->draw_fan(list, way.views[i]);
+      if (!fan_drawn) return fail(fan_drawn.error());
+      if (i % 10 != 5) continue;
+      auto vdt_drawn = rate->draw_tree(vdt_->drawing_list(), way.views[i]);
+      if (!vdt_drawn) return fail(vdt_drawn.error());
+      fan_adapt_ms.push_back(listed - start), fan_ms.push_back(fan_adapt_ms.back() + *fan_drawn);
+      vdt_adapt_ms.push_back(adapted - listed), vdt_ms.push_back(vdt_adapt_ms.back() + *vdt_drawn);
+    }
+    const auto frames = static_cast<double>(way.views.size());
+    CsvFile csv(folder_ / "fan_rates.csv",
+                "model,flight,tau_px,vdt_tau_px,fan_triangles,vdt_triangles,fan_adapt_ms,vdt_adapt_ms,"
+                "fan_frame_ms,vdt_frame_ms,ratio");
+    csv.row(fmt::format("{},{},{},{:.4f},{:.0f},{:.0f},{:.3f},{:.3f},{:.2f},{:.2f},{:.2f}", name_, way.name,
+                        way.tau, vdt_tau, fan_triangles / frames, vdt_triangles / frames,
+                        median(fan_adapt_ms), median(vdt_adapt_ms), median(fan_ms), median(vdt_ms),
+                        median(vdt_ms) / median(fan_ms)));
     return {};
   }
 
@@ -365,6 +410,10 @@ class Comparison {
   std::unique_ptr<VdtCut> vdt_;
 };
 
+Vec3d up_of(const char* word) {
+  return {double(word[3] == 'x'), double(word[3] == 'y'), double(word[3] == 'z')};
+}
+
 Result<void> compare(int argc, char** argv) {
   View size;  // 1280 × 720, 60°
   bool route = false;
@@ -372,8 +421,7 @@ Result<void> compare(int argc, char** argv) {
   for (int i = 5; i < argc; ++i) {
     route = route || std::strcmp(argv[i], "route") == 0;
     if (std::strncmp(argv[i], "slow=", 5) == 0) slow.push_back(std::atof(argv[i] + 5));
-    if (std::strncmp(argv[i], "up=", 3) == 0)
-      size.up = {double(argv[i][3] == 'x'), double(argv[i][3] == 'y'), double(argv[i][3] == 'z')};
+    if (std::strncmp(argv[i], "up=", 3) == 0) size.up = up_of(argv[i]);
   }
   Comparison comparison(argv[2], argv[4], route);
   if (auto built = comparison.build(argv[3]); !built) return built;
@@ -392,6 +440,22 @@ Result<void> compare(int argc, char** argv) {
   return {};
 }
 
+Result<void> rates(int argc, char** argv) {
+  View size;
+  for (int i = 5; i < argc; ++i)
+    if (std::strncmp(argv[i], "up=", 3) == 0) size.up = up_of(argv[i]);
+  Comparison comparison(argv[2], argv[4], false);
+  if (auto built = comparison.build(argv[3], false); !built) return built;
+  for (const auto& [kind, flight_name] :
+       {std::pair{FlightKind::fly_over, "fly-over"}, {FlightKind::orbit, "orbit"}})
+    for (const double tau : {2.0, 0.5})
+      if (auto drawn =
+              comparison.draw(comparison.flight(kind, fmt::format("{}; {} px", flight_name, tau), size, tau));
+          !drawn)
+        return drawn;
+  return {};
+}
+
 Result<void> scene(int argc, char** argv) {
   const std::vector<std::filesystem::path> meshes(argv + 3, argv + argc);
   return bench::write_scene(argv[2], meshes);
@@ -403,13 +467,15 @@ int main(int argc, char** argv) {
   const auto is = [&](const char* word, int least) {
     return argc >= least && std::strcmp(argv[1], word) == 0;
   };
-  Result<void> done = is("compare", 5) ? compare(argc, argv)
-                      : is("scene", 4) ? scene(argc, argv)
-                      : is("plot", 3)
-                          ? bench::draw_results(argv[2])
-                          : fail(ErrorCode::invalid_input, "", "",
-                                 "usage: cuesta-bench-fan compare NAME MESH FOLDER [up=z] [route] [slow=TAU]... | "
-                                 "scene OUT.ply MESH... | plot FOLDER");
+  Result<void> done =
+      is("compare", 5) ? compare(argc, argv)
+      : is("rates", 5) ? rates(argc, argv)
+      : is("scene", 4) ? scene(argc, argv)
+      : is("plot", 3)
+          ? bench::draw_results(argv[2])
+          : fail(ErrorCode::invalid_input, "", "",
+                 "usage: cuesta-bench-fan compare NAME MESH FOLDER [up=z] [route] [slow=TAU]... | "
+                 "rates NAME MESH FOLDER [up=z] | scene OUT.ply MESH... | plot FOLDER");
   if (done) return 0;
   fmt::print(stderr, "cuesta-bench-fan: {}\n", done.error().text());
   return exit_status(done.error().code);
