@@ -18,7 +18,8 @@ struct Birth {
   Sphere sphere;
 };
 
-/// A triangle takes at most this many samples from one round into the next; which, SampleChoice says.
+/// A triangle takes at most this many samples from one round into the next; which, SampleChoice says. Of a
+/// field of heights all those beside or on its rim, too.
 inline constexpr std::uint32_t max_triangle_samples = 64;
 
 /// Samples of the original surface that triangles stand for: sample i of triangle t is
@@ -70,7 +71,7 @@ struct Script {
 };
 
 /// What is left of a cell: surviving triangles (ascending local numbers) with their corners, births and
-/// samples, at most max_triangle_samples each.
+/// samples, max_triangle_samples at most each and those of rims.
 struct CellSurvivors {
   std::vector<std::uint32_t> triangles;
   std::vector<std::array<std::uint32_t, 3>> corners;

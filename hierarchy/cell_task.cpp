@@ -105,8 +105,8 @@ Result<CellOutput> run_cell_task(Cell cell, const RoundChunk& chunk, const Input
     if (cell.mesh.wedge_group[v] != v) page.wedge_tails.push_back(v);
   const std::vector<Vec3i> positions = cell.mesh.positions;
   cell.mesh.vertical = surface.vertical;
-  std::vector<Birth> births;
-  if (surface.vertical) births = cell.mesh.births;
+  CellMesh before;
+  if (surface.vertical) before = cell.mesh;
   SimplifyOptions simplify;
   if (!options.base)
     simplify.target_triangles =
@@ -115,8 +115,7 @@ Result<CellOutput> run_cell_task(Cell cell, const RoundChunk& chunk, const Input
                                             : simplify_cell(std::move(cell.mesh), simplify);
   page.script = std::move(simplified.script);
   if (simplified.errors_are_estimates && surface.vertical)
-    if (auto r = make_errors_exact(surface, positions, births, page, simplified.survivors); !r)
-      return fail(r.error());
+    if (auto r = make_errors_exact(surface, before, page, simplified.survivors); !r) return fail(r.error());
   if (!options.base) page.orphans = orphans_of(page, simplified.survivors);
   const auto owned = owned_vertices(page);
   page.owned = owned_vertices_of(page, owned, chunk, cell.vertices);

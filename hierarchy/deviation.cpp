@@ -142,8 +142,7 @@ void DeviationBatch::grow() {
   for (auto* v : {&x_, &y_, &z_, &best_}) v->resize(capacity);
   nearest_.resize(capacity);
   if (!vertical_) return;
-  for (auto* v : {&up_x_, &up_y_, &up_z_, &inside_, &best_through_}) v->resize(capacity);
-  nearest_through_.resize(capacity);
+  for (auto* v : {&up_x_, &up_y_, &up_z_, &inside_}) v->resize(capacity);
 }
 
 void DeviationBatch::measure(std::span<const std::array<Vec3f, 3>> triangles, std::int32_t first_index) {
@@ -190,39 +189,49 @@ void DeviationBatch::measure_along_vertical(std::span<const std::array<Vec3f, 3>
   if (!vertical_->is_plane)
     fill_ups(*vertical_, padded, {x_.data(), y_.data(), z_.data()},
              {up_x_.data(), up_y_.data(), up_z_.data()});
-  const VerticalPoints points{size_,
-                              x_.data(),
-                              y_.data(),
-                              z_.data(),
-                              up_x_.data(),
-                              up_y_.data(),
-                              up_z_.data(),
-                              inside_.data(),
-                              best_through_.data(),
-                              nearest_through_.data()};
+  const VerticalPoints points{size_,        x_.data(),    y_.data(),      z_.data(),    up_x_.data(),
+                              up_y_.data(), up_z_.data(), inside_.data(), best_.data(), nearest_.data()};
+  bool any_upright = false;
   for (std::size_t k = 0; k < triangles.size(); ++k) {
     const UprightTriangle t = upright(triangles[k], *vertical_);
     if (!(t.uprightness > 0)) continue;
+    any_upright = true;
     rounding_ = std::max(rounding_, std::sqrt(t.longest_squared) * rounding_per_length / t.uprightness);
     measure_vertical(t, *vertical_, first_index + static_cast<std::int32_t>(k), points);
   }
+  if (!any_upright) return measure_nearest(triangles, first_index);
   const bool all_through = std::all_of(inside_.begin(), inside_.begin() + static_cast<std::ptrdiff_t>(size_),
-                                       [](float least) { return least >= inside_rounding; });
-  if (!all_through) measure_nearest(triangles, first_index);
-  for (std::size_t i = 0; i < padded; ++i) {
-    if (!all_through && inside_[i] < inside_rounding) continue;
-    best_[i] = best_through_[i];
-    nearest_[i] = nearest_through_[i];
+                                       [](float inside) { return inside >= inside_rounding; });
+  if (!all_through) measure_beside(triangles, first_index);
+}
+
+/// Of points whose verticals go through none. Few: what is said about them is exact rather than fast.
+void DeviationBatch::measure_beside(std::span<const std::array<Vec3f, 3>> triangles,
+                                    std::int32_t first_index) {
+  for (std::size_t i = 0; i < size_; ++i) {
+    if (inside_[i] >= inside_rounding) continue;
+    double least_off = std::numeric_limits<double>::max();
+    for (std::size_t k = 0; k < triangles.size(); ++k) {
+      if (!(upright(triangles[k], *vertical_).uprightness > 0)) continue;
+      const BesidePoint at = beside(triangles[k], point(i), *vertical_);
+      if (!(at.off < least_off)) continue;
+      least_off = at.off;
+      best_[i] = static_cast<float>(at.squared_distance);
+      nearest_[i] = first_index + static_cast<std::int32_t>(k);
+    }
   }
+}
+
+float DeviationBatch::bound_of(float squared) const {
+  if (squared == 0 && rounding_ < negligible) return 0;
+  return std::sqrt(squared) * (1 + relative_rounding) + rounding_;
 }
 
 float DeviationBatch::worst_bound() const {
   // Squares are not negative: their bits are in order, and a maximum of integers becomes vector instructions.
   std::int32_t most = 0;
   for (std::size_t i = 0; i < size_; ++i) most = std::max(most, std::bit_cast<std::int32_t>(best_[i]));
-  const float worst = std::bit_cast<float>(most);
-  if (worst == 0 && rounding_ < negligible) return 0;
-  return std::sqrt(worst) * (1 + relative_rounding) + rounding_;
+  return bound_of(std::bit_cast<float>(most));
 }
 
 }  // namespace cuesta

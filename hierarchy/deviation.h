@@ -17,8 +17,9 @@ namespace cuesta {
 /// warm-up.
 ///
 /// With a vertical the nearest triangle is the one that a point's vertical goes through, and the distance is
-/// along it. Where it goes through none (a border has moved), it is the distance to the nearest triangle as
-/// without.
+/// along it. Where it goes through none (a border has moved), it is the distance to the point of the outline
+/// that is nearest to the vertical: not less than the difference of heights there, nor than how far the
+/// border has moved.
 class DeviationBatch {
  public:
   explicit DeviationBatch(std::optional<LocalVertical> vertical = {}) : vertical_(vertical) {}
@@ -68,22 +69,27 @@ class DeviationBatch {
   std::int32_t nearest(std::size_t i) const { return nearest_[i]; }
   std::span<const std::int32_t> nearest() const { return {nearest_.data(), size_}; }
   Vec3f point(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
+  /// How far the vertical of a point is inside its nearest triangle; as VerticalPoints::inside.
+  float inside(std::size_t i) const { return inside_[i]; }
+  /// Upper bound of the distance of a point.
+  float bound(std::size_t i) const { return bound_of(best_[i]); }
   /// Upper bound of the largest distance over all points, to within `negligible`; 0 if they are found to lie
   /// on the triangles, or there are none.
   float worst_bound() const;
 
  private:
   void grow();
+  float bound_of(float squared) const;
   void measure_nearest(std::span<const std::array<Vec3f, 3>> triangles, std::int32_t first_index);
   void measure_along_vertical(std::span<const std::array<Vec3f, 3>> triangles, std::int32_t first_index);
+  void measure_beside(std::span<const std::array<Vec3f, 3>> triangles, std::int32_t first_index);
 
   std::optional<LocalVertical> vertical_;
   std::size_t size_ = 0;
   bool measured_ = false;
   float rounding_ = 0;  // that f32 arithmetic may take away from any distance
   std::vector<float> x_, y_, z_, best_;
-  std::vector<float> up_x_, up_y_, up_z_, inside_, best_through_;  // with a vertical
-  std::vector<std::int32_t> nearest_through_;
+  std::vector<float> up_x_, up_y_, up_z_, inside_;  // with a vertical
   std::vector<std::int32_t> nearest_;
 };
 

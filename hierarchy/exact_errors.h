@@ -12,13 +12,15 @@
 
 namespace cuesta {
 
-/// Measures what each substitution of the page's script makes, and saturates again (I3). Where a border moves
-/// or a component goes as a whole, postings may lie above nothing: there the estimate stays, if it is more.
-/// @param births     of the page's triangles at the start of its round
-/// @param survivors  of the script; their births get the new errors
-/// @pre   surface.vertical has a value
+/// Measures what each substitution of the page's script makes, and saturates again (I3). Where the rim moves
+/// or a component goes as a whole, the postings that lie above and below nothing afterwards are measured
+/// beside it (RimPostings).
+/// @param cell       as it was at the start of its round
+/// @param survivors  of the script; their births get the new errors, and all postings beside them become
+/// their samples
+/// @pre   surface.vertical and cell.vertical have a value
 /// @error those of InputSurface::measure()
-Result<void> make_errors_exact(const InputSurface& surface, std::span<const Vec3i> positions,
-                               std::span<const Birth> births, Page& page, CellSurvivors& survivors);
+Result<void> make_errors_exact(const InputSurface& surface, const CellMesh& cell, Page& page,
+                               CellSurvivors& survivors);
 
 }  // namespace cuesta

@@ -636,6 +636,22 @@ void SubstitutionKernel::rebirth(std::span<const TriangleId> changed, const Birt
   for (TriangleId t : changed) births_[t] = birth;
 }
 
+/// Of a field of heights: the samples at the triangle's edges on a rim, or beyond them. Others may be found
+/// again above and below triangles, but these above and below none.
+std::size_t SubstitutionKernel::move_rim_samples_first(TriangleId t, std::span<Vec3f> samples) const {
+  if (!vertical_ || samples.size() <= max_triangle_samples) return 0;
+  auto inner = samples.begin();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const PointId p = corners_[t][k], q = corners_[t][(k + 1) % 3];
+    if (!border(p) || !border(q) || edge_triangles(p, q) != 1) continue;
+    const Vec3d a = vec_cast<double>(position_[p]), b = vec_cast<double>(position_[q]);
+    inner = std::stable_partition(inner, samples.end(), [&](const Vec3f& s) {
+      return inside_of(vec_cast<double>(s), a, b, normalized(vec_cast<double>(vertical_->up(s)))) < rim_width;
+    });
+  }
+  return static_cast<std::size_t>(inner - samples.begin());
+}
+
 CellSurvivors SubstitutionKernel::survivors() const {
   CellSurvivors out;
   out.triangles.reserve(live_triangles_);
@@ -653,8 +669,11 @@ CellSurvivors SubstitutionKernel::survivors() const {
     out.births.push_back(births_[t]);
     const auto first = sample_arena_.begin() + samples_[t].begin;
     samples.assign(first, first + samples_[t].count);
-    samples.resize(
-        choice.keep(samples, {position_[c[0]], position_[c[1]], position_[c[2]]}, max_triangle_samples));
+    const std::span inner = std::span(samples).subspan(move_rim_samples_first(t, samples));
+    const std::size_t left_out =
+        inner.size() -
+        choice.keep(inner, {position_[c[0]], position_[c[1]], position_[c[2]]}, max_triangle_samples);
+    samples.resize(samples.size() - left_out);
     for (const Vec3f& p : samples) out.samples.points.push_back(vec_cast<std::int32_t>(p) + origin_);
     out.samples.begin.push_back(static_cast<std::uint32_t>(out.samples.points.size()));
   }

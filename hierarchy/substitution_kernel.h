@@ -163,6 +163,7 @@ class SubstitutionKernel {
   void choose_targets(PointId u, PointId v);
   void redistribute_samples();
   void pack_samples();
+  std::size_t move_rim_samples_first(TriangleId t, std::span<Vec3f> samples) const;
   void remove_from_star(PointId p, TriangleId t);
   std::uint32_t next_stamp();
 

@@ -1,6 +1,7 @@
 #include "hierarchy/vertical_deviation.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "hierarchy/vector_clones.h"
 
@@ -13,12 +14,28 @@ std::size_t padded(std::size_t n) {
   return (n + point_block - 1) / point_block * point_block;
 }
 
-/// One up for all: barycentric coordinates and heights are linear in the point.
+/// Distances of the corners from the edges across, seen from above: what barycentric coordinates are shares
+/// of.
+struct Altitudes {
+  float a, b, c;
+  float per_b, per_c;  // a over b and over c
+};
+Altitudes altitudes(const UprightTriangle& t, Vec3f up) {
+  const Vec3f ab = t.corners[1] - t.corners[0], ac = t.corners[2] - t.corners[0];
+  const float twice_area = dot(up, t.normal) * t.twice_area;
+  const float a = twice_area / length(cross(up, ac - ab)), b = twice_area / length(cross(up, ac)),
+              c = twice_area / length(cross(up, ab));
+  return {a, b, c, a / b, a / c};
+}
+
+/// One up for all: distances from edges and heights are linear in the point.
 CUESTA_VECTOR_CLONES
 void measure_on_plane(const UprightTriangle& t, Vec3f up, std::int32_t index, const VerticalPoints& points) {
   const Vec3f a = t.corners[0], ab = t.corners[1] - a, ac = t.corners[2] - a;
   const float upright = dot(up, t.normal), inv = 1.0f / (upright * t.twice_area);
-  const Vec3f to_b = cross(ac, up) * inv, to_c = cross(up, ab) * inv, to_h = t.normal * (1.0f / upright);
+  const Altitudes alt = altitudes(t, up);
+  const Vec3f to_b = cross(ac, up) * (inv * alt.b), to_c = cross(up, ab) * (inv * alt.c),
+              to_h = t.normal * (1.0f / upright);
   const std::size_t n = padded(points.count);
   const float* __restrict x = points.x, * __restrict y = points.y, * __restrict z = points.z;
   float* __restrict inside = points.inside, * __restrict squared = points.squared;
@@ -28,7 +45,7 @@ void measure_on_plane(const UprightTriangle& t, Vec3f up, std::int32_t index, co
     const float b = qx * to_b.x + qy * to_b.y + qz * to_b.z;
     const float c = qx * to_c.x + qy * to_c.y + qz * to_c.z;
     const float h = qx * to_h.x + qy * to_h.y + qz * to_h.z;
-    const float least = std::min(std::min(b, c), 1.0f - b - c);
+    const float least = std::min(std::min(b, c), alt.a - alt.per_b * b - alt.per_c * c);
     const bool better = least > inside[i];
     squared[i] = better ? h * h : squared[i];
     nearest[i] = better ? index : nearest[i];
@@ -37,8 +54,12 @@ void measure_on_plane(const UprightTriangle& t, Vec3f up, std::int32_t index, co
 }
 
 CUESTA_VECTOR_CLONES
-void measure_on_ellipsoid(const UprightTriangle& t, std::int32_t index, const VerticalPoints& points) {
+void measure_on_ellipsoid(const UprightTriangle& t, Vec3f up_at_a, std::int32_t index,
+                          const VerticalPoints& points) {
   const Vec3f a = t.corners[0], ab = t.corners[1] - a, ac = t.corners[2] - a, n = t.normal;
+  // The up at a corner stands for all: what little they differ changes no sign.
+  const Altitudes alt = altitudes(t, up_at_a);
+  const float per_twice_area = 1.0f / t.twice_area;
   const std::size_t count = padded(points.count);
   const float* __restrict x = points.x, * __restrict y = points.y, * __restrict z = points.z;
   const float* __restrict ux = points.up_x, * __restrict uy = points.up_y, * __restrict uz = points.up_z;
@@ -49,12 +70,13 @@ void measure_on_ellipsoid(const UprightTriangle& t, std::int32_t index, const Ve
     const float upright = ux[i] * n.x + uy[i] * n.y + uz[i] * n.z;
     // q × up, of which both coordinates are products.
     const float mx = qy * uz[i] - qz * uy[i], my = qz * ux[i] - qx * uz[i], mz = qx * uy[i] - qy * ux[i];
-    const float inv = 1.0f / (upright * t.twice_area);
+    const float inv = per_twice_area / upright;
     const float b = -(mx * ac.x + my * ac.y + mz * ac.z) * inv;
     const float c = (mx * ab.x + my * ab.y + mz * ab.z) * inv;
-    const float h = (qx * n.x + qy * n.y + qz * n.z) / upright;
+    const float h = (qx * n.x + qy * n.y + qz * n.z) * (inv * t.twice_area);
     const float per_up = ux[i] * ux[i] + uy[i] * uy[i] + uz[i] * uz[i];
-    const float least = upright > 0 ? std::min(std::min(b, c), 1.0f - b - c) : -1e30f;
+    const float least =
+        upright > 0 ? std::min(std::min(b * alt.b, c * alt.c), (1.0f - b - c) * alt.a) : -1e30f;
     const bool better = least > inside[i];
     squared[i] = better ? h * h * per_up : squared[i];
     nearest[i] = better ? index : nearest[i];
@@ -86,7 +108,22 @@ void measure_vertical(const UprightTriangle& t, const LocalVertical& vertical, s
   if (vertical.is_plane)
     measure_on_plane(t, vertical.up_at_origin, index, points);
   else
-    measure_on_ellipsoid(t, index, points);
+    measure_on_ellipsoid(t, vertical.up(t.corners[0]), index, points);
+}
+
+BesidePoint beside(const std::array<Vec3f, 3>& corners, Vec3f p, const LocalVertical& vertical) {
+  const Vec3d up = normalized(vec_cast<double>(vertical.up(p)));
+  const auto flattened = [&up](Vec3d v) { return v - up * dot(up, v); };
+  BesidePoint nearest{std::numeric_limits<double>::max(), 0};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3d from = vec_cast<double>(corners[k]) - vec_cast<double>(p);
+    const Vec3d edge = vec_cast<double>(corners[(k + 1) % 3]) - vec_cast<double>(corners[k]);
+    const Vec3d a = flattened(from), e = flattened(edge);
+    const double squared = dot(e, e), share = squared > 0 ? std::clamp(-dot(a, e) / squared, 0.0, 1.0) : 0.0;
+    const double off = length(a + e * share);
+    if (off < nearest.off) nearest = {off, dot(from + edge * share, from + edge * share)};
+  }
+  return nearest;
 }
 
 }  // namespace cuesta

@@ -9,4 +9,10 @@ Result<void> InputSurface::measure(std::span<const std::array<Vec3i, 3>>, std::s
   return {};
 }
 
+Result<std::vector<std::vector<Vec3i>>> InputSurface::postings_over(
+    std::span<const std::array<Vec3i, 3>>) const {
+  CUESTA_CHECK(!"only fields of heights have postings");
+  return std::vector<std::vector<Vec3i>>{};
+}
+
 }  // namespace cuesta

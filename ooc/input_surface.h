@@ -59,6 +59,10 @@ class InputSurface {
   /// @pre   vertical has a value, and `distances` is as long as `corners`
   virtual Result<void> measure(std::span<const std::array<Vec3i, 3>> corners,
                                std::span<float> distances) const;
+  /// The postings above and below each triangle, grid units: what measure() looks at.
+  /// @pre  vertical has a value
+  virtual Result<std::vector<std::vector<Vec3i>>> postings_over(
+      std::span<const std::array<Vec3i, 3>> corners) const;
 };
 
 }  // namespace cuesta

@@ -16,27 +16,35 @@ bool is_place(Vec3d p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
 
-/// A triangle and the verticals through it, in f64 about a square's first posting.
+/// A triangle and the verticals through it.
 struct MeasuredTriangle {
   Vec3d a, ab, ac, normal;  // the normal is twice the area long
 };
 
-/// The largest vertical distance of n points in a row whose verticals go through the triangle.
-double most_distance(const MeasuredTriangle& t, const Vertical& vertical, const Vec3d* points,
-                     std::size_t n) {
-  double most = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec3d p = points[i];
-    const Vec3d up = vertical.direction(p), q = p - t.a, m = cross(q, up);
-    const double upright = dot(up, t.normal);
-    const double b = -dot(m, t.ac), c = dot(m, t.ab);
-    // Points without a height are NaN, and inside of nothing.
-    const double rounding = 1e-9 * upright;
-    if (!(b >= -rounding && c >= -rounding && b + c <= upright + rounding && upright > 0)) continue;
-    const double h = std::abs(dot(q, t.normal)) / upright;
-    most = std::max(most, vertical.is_plane ? h : h * length(up));
-  }
-  return most;
+MeasuredTriangle measured(const std::array<Vec3i, 3>& corners) {
+  MeasuredTriangle t;
+  t.a = vec_cast<double>(corners[0]);
+  t.ab = vec_cast<double>(corners[1]) - t.a;
+  t.ac = vec_cast<double>(corners[2]) - t.a;
+  t.normal = cross(t.ab, t.ac);
+  return t;
+}
+
+/// The distance of the triangle along the vertical of p; < 0 where that passes it, or p has no height.
+double distance_along(const MeasuredTriangle& t, const Vertical& vertical, Vec3d p) {
+  const Vec3d up = vertical.direction(p), q = p - t.a, m = cross(q, up);
+  const double upright = dot(up, t.normal);
+  const double b = -dot(m, t.ac), c = dot(m, t.ab);
+  const double rounding = 1e-9 * upright;
+  if (!(b >= -rounding && c >= -rounding && b + c <= upright + rounding && upright > 0)) return -1;
+  const double h = std::abs(dot(q, t.normal)) / upright;
+  return vertical.is_plane ? h : h * length(up);
+}
+
+/// To the next f32 that is not less.
+float rounded_up(double distance) {
+  const auto bound = static_cast<float>(distance);
+  return static_cast<double>(bound) < distance ? std::nextafter(bound, 1e30f) : bound;
 }
 
 }  // namespace
@@ -89,17 +97,17 @@ std::vector<PostingMeasure::SquareRuns> PostingMeasure::runs_of(
   return out;
 }
 
-Result<void> PostingMeasure::measure_square(const SquareRuns& square,
-                                            std::span<const std::array<Vec3i, 3>> triangles,
-                                            std::span<float> distances) const {
+template <class Visit>
+Result<void> PostingMeasure::visit_square(const SquareRuns& square,
+                                          std::span<const std::array<Vec3i, 3>> triangles,
+                                          const Visit& visit) const {
   const LatticeSquare at = surface_.store_.squares().square(square.square);
   std::uint32_t first_row = at.height, last_row = 0;
   for (const Run& r : square.runs) {
     first_row = std::min(first_row, r.row);
     last_row = std::max(last_row, r.row);
   }
-  // The rows that are asked for, as the vertices are: snapped to the grid. About the first corner of the
-  // first triangle.
+  // The rows that are asked for, as the vertices are: snapped to the grid.
   const std::uint64_t rows = last_row - first_row + 1;
   std::vector<float> heights_m(rows * at.width);
   const auto column = static_cast<std::int64_t>(at.column),
@@ -109,26 +117,16 @@ Result<void> PostingMeasure::measure_square(const SquareRuns& square,
   surface_.positions_[at.layer].of(column, row, at.width, rows, heights_m, points);
   for (Vec3d& p : points)
     if (is_place(p)) p = vec_cast<double>(surface_.grid.snap(p));
-  const Vertical& vertical = *surface_.vertical;
   std::uint32_t known = ~0u;
   MeasuredTriangle t;
   for (const Run& r : square.runs) {
     if (r.triangle != known) {
       known = r.triangle;
-      const auto& corners = triangles[known];
-      t.a = vec_cast<double>(corners[0]);
-      t.ab = vec_cast<double>(corners[1]) - t.a;
-      t.ac = vec_cast<double>(corners[2]) - t.a;
-      t.normal = cross(t.ab, t.ac);
+      t = measured(triangles[known]);
     }
-    const double most = most_distance(t, vertical, points.data() + (r.row - first_row) * at.width + r.first,
-                                      std::size_t{r.last} - r.first + 1);
-    float bound = static_cast<float>(most);
-    if (static_cast<double>(bound) < most) bound = std::nextafter(bound, 1e30f);
-    // Not negative: bits are in order.
-    std::atomic_ref<float> out(distances[r.triangle]);
-    for (float before = out.load(); before < bound && !out.compare_exchange_weak(before, bound);) {
-    }
+    const Vec3d* const run = points.data() + (r.row - first_row) * at.width;
+    for (std::uint32_t i = r.first; i <= r.last; ++i)
+      if (const double d = distance_along(t, *surface_.vertical, run[i]); d >= 0) visit(known, run[i], d);
   }
   return {};
 }
@@ -140,13 +138,31 @@ Result<void> PostingMeasure::measure(std::span<const std::array<Vec3i, 3>> trian
   std::mutex mutex;
   std::optional<Error> error;
   tbb::parallel_for(std::size_t{0}, squares.size(), [&](std::size_t i) {
-    auto r = measure_square(squares[i], triangles, distances);
+    auto r = visit_square(squares[i], triangles, [&](std::uint32_t triangle, const Vec3d&, double distance) {
+      const float bound = rounded_up(distance);
+      // Not negative: bits are in order.
+      std::atomic_ref<float> out(distances[triangle]);
+      for (float before = out.load(); before < bound && !out.compare_exchange_weak(before, bound);) {
+      }
+    });
     if (r) return;
     const std::lock_guard lock(mutex);
     if (!error) error = std::move(r).error();
   });
   if (error) return fail(std::move(*error));
   return {};
+}
+
+Result<std::vector<std::vector<Vec3i>>> PostingMeasure::postings_over(
+    std::span<const std::array<Vec3i, 3>> triangles) const {
+  std::vector<std::vector<Vec3i>> out(triangles.size());
+  for (const SquareRuns& square : runs_of(triangles)) {
+    const auto add = [&](std::uint32_t triangle, const Vec3d& p, double) {
+      out[triangle].push_back(vec_cast<std::int32_t>(p));
+    };
+    if (auto r = visit_square(square, triangles, add); !r) return fail(r.error());
+  }
+  return out;
 }
 
 }  // namespace cuesta

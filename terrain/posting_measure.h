@@ -18,6 +18,9 @@ class PostingMeasure {
 
   /// As InputSurface::measure(). In the calling TBB arena; the same result for any number of threads.
   Result<void> measure(std::span<const std::array<Vec3i, 3>> triangles, std::span<float> distances) const;
+  /// As InputSurface::postings_over().
+  Result<std::vector<std::vector<Vec3i>>> postings_over(
+      std::span<const std::array<Vec3i, 3>> triangles) const;
 
  private:
   struct Run {  // of a triangle's footprint, in one square
@@ -35,8 +38,10 @@ class PostingMeasure {
   void place(std::uint32_t triangle, std::uint32_t layer, const LatticeRun& run,
              std::vector<Placed>& out) const;
   std::vector<SquareRuns> runs_of(std::span<const std::array<Vec3i, 3>> triangles) const;
-  Result<void> measure_square(const SquareRuns& square, std::span<const std::array<Vec3i, 3>> triangles,
-                              std::span<float> distances) const;
+  /// visit(triangle, posting, distance) for all postings over the triangles in a square.
+  template <class Visit>
+  Result<void> visit_square(const SquareRuns& square, std::span<const std::array<Vec3i, 3>> triangles,
+                            const Visit& visit) const;
 
   const TerrainSurface& surface_;
   std::vector<LatticeFootprints> footprints_;  // by layer

@@ -46,25 +46,34 @@ std::optional<double> height_m(const Upright& line, const SurfaceMesh& mesh, con
   return sum / area;
 }
 
-/// Of the point of the triangle's outline that passes the line most closely; none if that is farther than
-/// slack_m.
-std::optional<double> height_within(const Upright& line, const SurfaceMesh& mesh, const Corners& t,
-                                    double slack_m) {
-  if (const auto height = height_m(line, mesh, t)) return height;
+/// The point of a triangle's outline that passes the line most closely.
+struct Beside {
+  double off_m = 0, height_m = 0;
+};
+
+/// None if that is farther than reach_m.
+std::optional<Beside> beside(const Upright& line, const SurfaceMesh& mesh, const Corners& t, double reach_m) {
   const auto flattened = [&](Vec3d v) { return v - line.up * dot(line.up, v); };
-  double nearest = slack_m;
-  std::optional<double> height;
+  std::optional<Beside> nearest;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3d from = mesh.positions[t[k]] - line.at,
                 edge = mesh.positions[t[(k + 1) % 3]] - mesh.positions[t[k]];
     const Vec3d a = flattened(from), e = flattened(edge);
     const double along = dot(e, e) > 0 ? std::clamp(-dot(a, e) / dot(e, e), 0.0, 1.0) : 0;
-    const double off = length(a + e * along);
-    if (off > nearest || (off == nearest && height)) continue;
-    nearest = off;
-    height = dot(line.up, from + edge * along);
+    const double off_m = length(a + e * along);
+    if (off_m > reach_m || (nearest && off_m >= nearest->off_m)) continue;
+    nearest = {off_m, dot(line.up, from + edge * along)};
   }
-  return height;
+  return nearest;
+}
+
+/// Of the point of the triangle's outline that passes the line most closely; none if that is farther than
+/// slack_m.
+std::optional<double> height_within(const Upright& line, const SurfaceMesh& mesh, const Corners& t,
+                                    double slack_m) {
+  if (const auto height = height_m(line, mesh, t)) return height;
+  const auto at = beside(line, mesh, t, slack_m);
+  return at ? std::optional(at->height_m) : std::nullopt;
 }
 
 /// shared = better(shared, candidate) ? candidate : shared, for any number of threads.
@@ -99,11 +108,21 @@ class Checker {
     for (const std::uint32_t id : ids) distances_m[id] = uncovered;
     visit_pairs(ids, slack_m, [&](const Upright& line, const Corners& t, std::uint32_t id) {
       if (const auto h = height_within(line, mesh_, t, slack_m))
-        improve(distances_m[id], std::abs(*h), [](double a, double b) { return a < b || b == uncovered; });
+        improve(distances_m[id], std::abs(*h), is_nearer);
+    });
+  }
+
+  /// Into distances_m, for `ids`, which are uncovered: the least distance from the outlines of triangles.
+  void measure_beside(std::span<const std::uint32_t> ids, double rim_m,
+                      std::vector<double>& distances_m) const {
+    visit_pairs(ids, rim_m, [&](const Upright& line, const Corners& t, std::uint32_t id) {
+      if (const auto at = beside(line, mesh_, t, rim_m))
+        improve(distances_m[id], std::hypot(at->off_m, at->height_m), is_nearer);
     });
   }
 
  private:
+  static bool is_nearer(double a, double b) { return a < b || b == uncovered; }
   static std::vector<Vec3d> ups(std::span<const Vec3d> positions, const UpAt& up) {
     std::vector<Vec3d> out(up ? positions.size() : 0);
     tbb::parallel_for(Range(0, out.size(), 1024), [&](const Range& range) {
@@ -181,6 +200,14 @@ VerticalError vertical_error(const SurfaceMesh& mesh, std::span<const Vec3d> pos
   VerticalError error;
   error.postings = ids.size();
   error.exact = error.with_slack = summary(ids, distances_m, options.bound_m);
+  if (options.rim_m > 0) {
+    std::vector<std::uint32_t> open;
+    std::copy_if(ids.begin(), ids.end(), std::back_inserter(open),
+                 [&](std::uint32_t id) { return distances_m[id] == uncovered; });
+    std::vector<double> beside_m(postings_m.size(), uncovered);
+    checker.measure_beside(open, options.rim_m, beside_m);
+    error.beside = summary(open, beside_m, options.bound_m);
+  }
   if (options.slack_m == 0) return error;
   std::vector<std::uint32_t> doubtful;
   std::copy_if(ids.begin(), ids.end(), std::back_inserter(doubtful), [&](std::uint32_t id) {

@@ -24,6 +24,9 @@ struct VerticalOptions {
   /// How far the surface may have been moved horizontally, as by snapping to a grid: that uncovers postings
   /// at the rim, and puts others under the next triangle, which may be steep. 0: not at all.
   double slack_m = 0;
+  /// How far the rim of the surface may have moved: postings that are uncovered are looked for beside it. 0:
+  /// not at all.
+  double rim_m = 0;
 };
 
 inline constexpr double most_height_m = 12'000;
@@ -43,6 +46,10 @@ struct VerticalError {
   /// Of postings that are uncovered or beyond: along the nearest line within slack_m on each triangle there,
   /// and of these the best counts. A crack as narrow as that is not found. Without slack the same as `exact`.
   VerticalDeviation with_slack;
+  /// Of postings that are uncovered (exactly): the distance from the point of a triangle's outline that is
+  /// nearest to the up line, and no farther from it than rim_m; of the triangles the one with the least
+  /// distance counts. That is no less than the difference of heights there. Zeros if rim_m is 0.
+  VerticalDeviation beside;
 };
 
 /// Watertight: a posting over an edge or a vertex between triangles is over one of them at least, as both

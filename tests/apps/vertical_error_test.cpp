@@ -181,6 +181,23 @@ TEST(VerticalError, slack_excuses_steep_slivers_and_nothing_beyond_them) {
   EXPECT_EQ(vertical_error(mesh, postings, {.bound_m = 2, .slack_m = 0.003}).with_slack.beyond, 1u);
 }
 
+/// A slope of 10 in 1 that ends at x = 4, where it is 40 high; postings have been left beside it.
+TEST(VerticalError, beside_a_rim_that_has_moved) {
+  SurfaceMesh mesh = square(4, 0);
+  for (Vec3d& p : mesh.positions) p = {4 * p.x, 4 * p.y, 40 * p.x};
+  const std::vector<Vec3d> postings{{7, 2, 44}, {4.5, 1, 40}, {4.25, 3, 70}, {30, 2, 40}, {1, 1, 90}};
+  const VerticalError error = vertical_error(mesh, postings, {.bound_m = 5, .rim_m = 20});
+  EXPECT_EQ(error.exact.uncovered, 4u);
+  EXPECT_EQ(error.exact.beyond, 1u);
+  EXPECT_EQ(error.beside.uncovered, 1u);
+  EXPECT_EQ(error.beside.beyond, 1u);
+  EXPECT_EQ(error.beside.worst, 2u);
+  EXPECT_NEAR(error.beside.max_m, std::hypot(0.25, 30), 1e-12);
+  const VerticalError first = vertical_error(mesh, std::span(postings).first(1), {.bound_m = 5, .rim_m = 3});
+  EXPECT_NEAR(first.beside.max_m, 5, 1e-12);
+  EXPECT_EQ(first.beside.beyond, 0u);
+}
+
 TEST(VerticalError, no_data_does_not_count) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<Vec3d> postings{{0.5, 0.5, nan}, {0.5, 0.25, 1}, {nan, nan, nan}};

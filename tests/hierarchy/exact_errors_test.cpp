@@ -25,20 +25,24 @@ class Judge final : public InputSurface {
     std::transform(corners.begin(), corners.end(), distances.begin(), distance_);
     return {};
   }
+  Result<std::vector<std::vector<Vec3i>>> postings_over(
+      std::span<const std::array<Vec3i, 3>> corners) const override {
+    return std::vector<std::vector<Vec3i>>(corners.size());
+  }
 
  private:
   Distance distance_;
 };
 
-/// n × n postings with a rim that stays; bumps of a few units.
-CellMesh bumpy_cell(std::uint32_t n) {
+/// n × n postings with a rim that stays, or may move but for one side; bumps of a few units.
+CellMesh bumpy_cell(std::uint32_t n, bool rim_moves = false) {
   CellMesh cell;
   cell.vertical.emplace();
   for (std::uint32_t y = 0; y < n; ++y)
     for (std::uint32_t x = 0; x < n; ++x) {
       cell.positions.push_back({int(x * 50), int(y * 50), int((x * 7 + y * 13) % 5)});
       cell.wedge_group.push_back(y * n + x);
-      cell.locked.push_back(x == 0 || y == 0 || x + 1 == n || y + 1 == n);
+      cell.locked.push_back(x == 0 || (!rim_moves && (y == 0 || x + 1 == n || y + 1 == n)));
     }
   for (std::uint32_t y = 0; y + 1 < n; ++y)
     for (std::uint32_t x = 0; x + 1 < n; ++x) {
@@ -65,9 +69,7 @@ struct Simplified {
     page.script = std::move(result.script);
     survivors = std::move(result.survivors);
   }
-  Result<void> judge(const Judge& judge) {
-    return make_errors_exact(judge, cell.positions, cell.births, page, survivors);
-  }
+  Result<void> judge(const Judge& judge) { return make_errors_exact(judge, cell, page, survivors); }
 };
 
 TEST(ExactErrors, what_is_measured_replaces_estimates) {
@@ -129,6 +131,73 @@ TEST(ExactErrors, births_of_earlier_rounds_are_kept) {
   ASSERT_GT(before, 0);
   ASSERT_TRUE(s.judge(Judge([](const std::array<Vec3i, 3>&) { return 1.0f; })));
   EXPECT_EQ(std::count_if(errors.begin(), errors.end(), is_old), before);
+}
+
+/// The upper rim as an arc: where it moves, it moves inwards.
+int arc(int x) {
+  return 2 * x * (23 - x);
+}
+
+/// A field of heights that has a posting close to each vertex of the upper rim, 90 above it.
+class RaisedRim final : public InputSurface {
+ public:
+  explicit RaisedRim(std::uint32_t n) : last_(50 * (int(n) - 1)) { vertical.emplace(); }
+  std::uint32_t chunk_count() const override { return 0; }
+  std::uint64_t triangles_of(std::uint32_t) const override { return 0; }
+  Result<SurfaceChunk> chunk(std::uint32_t) const override { return SurfaceChunk{}; }
+  Result<void> measure(std::span<const std::array<Vec3i, 3>>, std::span<float> distances) const override {
+    std::fill(distances.begin(), distances.end(), 0.0f);
+    return {};
+  }
+  Result<std::vector<std::vector<Vec3i>>> postings_over(
+      std::span<const std::array<Vec3i, 3>> corners) const override {
+    std::vector<std::vector<Vec3i>> out(corners.size());
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      for (int x = 1; x < last_ / 50; ++x)
+        if (const Vec3i p{50 * x, last_ + arc(x) - 1, 90}; covers(corners[i], p)) out[i].push_back(p);
+    return out;
+  }
+
+ private:
+  static bool covers(const std::array<Vec3i, 3>& t, Vec3i p) {
+    const auto left = [&](Vec3i a, Vec3i b) {
+      return std::int64_t{b.x - a.x} * (p.y - a.y) - std::int64_t{b.y - a.y} * (p.x - a.x) >= 0;
+    };
+    return left(t[0], t[1]) && left(t[1], t[2]) && left(t[2], t[0]);
+  }
+  int last_;
+};
+
+/// What the rim leaves behind lies above and below no triangle that could be measured.
+TEST(ExactErrors, postings_that_a_rim_uncovers_count_and_become_samples) {
+  constexpr std::uint32_t n = 24;
+  CellMesh cell = bumpy_cell(n, true);
+  for (std::uint32_t x = 1; x + 1 < n; ++x) cell.positions[(n - 1) * n + x].y += arc(int(x));
+  auto result = simplify_cell(cell, {.target_triangles = 60});
+  Page page;
+  page.vertex_count = std::uint32_t(cell.positions.size());
+  page.triangles = cell.triangles;
+  page.script = std::move(result.script);
+  CellSurvivors survivors = std::move(result.survivors);
+  const auto tips = [](const TriangleSamples& samples) {
+    return std::count_if(samples.points.begin(), samples.points.end(), [](Vec3i p) { return p.z == 90; });
+  };
+  ASSERT_EQ(tips(survivors.samples), 0);
+  ASSERT_TRUE(make_errors_exact(RaisedRim(n), cell, page, survivors));
+  EXPECT_GT(tips(survivors.samples), 0);
+  std::size_t rims = 0;
+  for (const Child& c : page.script.children) {
+    if (cell.positions[c.vertex].y <= 50 * int(n - 1)) continue;
+    EXPECT_GE(decode_error(c.error), 80.0f);
+    ++rims;
+  }
+  EXPECT_GT(rims, 5u);
+  for (std::size_t i = 0; i < survivors.triangles.size(); ++i)
+    for (std::uint32_t k = survivors.samples.begin[i]; k < survivors.samples.begin[i + 1]; ++k) {
+      if (survivors.samples.points[k].z == 90) {
+        EXPECT_GE(survivors.births[i].error, 80) << "survivor " << i;
+      }
+    }
 }
 
 TEST(ExactErrors, an_error_of_reading_is_passed_on) {

@@ -37,9 +37,13 @@ TEST(VerticalDeviation, on_a_plane_is_the_difference_of_heights) {
   EXPECT_NEAR(distance_to(slope, {20, 30, 50}), 30, 1e-4);
 }
 
-TEST(VerticalDeviation, through_no_triangle_is_the_distance_to_the_nearest) {
+TEST(VerticalDeviation, through_no_triangle_is_the_distance_beside) {
   const Corners flat{Vec3f{0, 0, 0}, Vec3f{100, 0, 0}, Vec3f{0, 100, 0}};
   EXPECT_NEAR(distance_to(flat, {-3, 50, 4}), 5, 1e-5);
+  // Steep to the rim x = 0: the triangle comes near the point, but beside it, it is 100 lower.
+  const Corners steep{Vec3f{0, 0, 0}, Vec3f{10, 0, 100}, Vec3f{0, 100, 0}};
+  EXPECT_NEAR(distance_to(steep, {-3, 50, 100}), std::hypot(3, 100), 1e-4);
+  EXPECT_NEAR(distance_to(steep, {-0.125f, 50, 100}), 100, 1e-3);
   // A wall, and a triangle that faces down, have no above and no below.
   const Corners wall{Vec3f{0, 0, 0}, Vec3f{100, 0, 0}, Vec3f{0, 0, 100}};
   EXPECT_NEAR(distance_to(wall, {20, 8, 30}), 8, 1e-5);
@@ -78,6 +82,21 @@ TEST(VerticalDeviation, on_an_ellipsoid_is_along_its_normal) {
     const Vec3d up = normalized(globe.direction(vec_cast<double>(on)));
     const double found = distance_to(t, on + vec_cast<float>(up) * lift, globe);
     EXPECT_NEAR(found, double(lift), 0.02) << i;
+  }
+}
+
+TEST(VerticalDeviation, inside_is_in_grid_units) {
+  const std::array<Corners, 2> triangles{Corners{Vec3f{0, 0, 0}, Vec3f{4000, 0, 0}, Vec3f{0, 300, 90}},
+                                         Corners{Vec3f{4000, 0, 0}, Vec3f{4000, 300, 0}, Vec3f{0, 300, 90}}};
+  for (const Vertical& vertical : {plane, globe}) {
+    DeviationBatch batch = batch_on(vertical);
+    batch.add({1, 100, 0});
+    batch.add({300, 2, 0});
+    batch.add({300, -7, 0});
+    batch.add({3997, 200, 0});
+    batch.measure(triangles);
+    for (const auto& [i, inside] : {std::pair{0u, 1.0}, {1u, 2.0}, {2u, -7.0}, {3u, 3.0}})
+      EXPECT_NEAR(double(batch.inside(i)), inside, 0.02) << i;
   }
 }
 

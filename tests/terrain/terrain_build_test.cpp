@@ -110,6 +110,12 @@ std::vector<Vec3d> postings_of(const SmallTerrain& terrain, const SurfaceMesh& f
   return out;
 }
 
+std::vector<Vec3d> snapped(const std::vector<Vec3d>& postings_m, const Grid& grid) {
+  std::vector<Vec3d> out;
+  for (const Vec3d& p : postings_m) out.push_back(grid.world(grid.snap(p)));
+  return out;
+}
+
 SurfaceMesh cut_at(Cut& cut, double bound_m) {
   cut.settle(ErrorScale::uniform(cut.directory().grid), bound_m, {});
   EXPECT_TRUE(cut.cache().errors().empty());
@@ -137,10 +143,16 @@ TEST(TerrainBuild, every_posting_is_within_the_bound_of_any_cut) {
       EXPECT_LE(mesh.triangles.size(), triangles) << bound_m;
       triangles = mesh.triangles.size();
       if (bound_m > 1e6) continue;  // a rim may have moved
-      measure::VerticalOptions options{.bound_m = bound_m + snap_m, .slack_m = 2 * snap_m};
+      measure::VerticalOptions options{.bound_m = bound_m + snap_m, .slack_m = snap_m};
       if (!is_plane) options.up = [&frame](Vec3d p) { return frame.up(p); };
       const auto error = measure::vertical_error(mesh, postings, options);
       EXPECT_EQ(error.with_slack.beyond, 0u) << bound_m << ": " << error.with_slack.max_m;
+      // Where the grid has them, and beside rims that have moved.
+      options.rim_m = options.bound_m = bound_m * (1 + 1e-6) + 1e-6;
+      const auto on_grid = measure::vertical_error(mesh, snapped(postings, cut->directory().grid), options);
+      EXPECT_EQ(on_grid.exact.beyond, 0u) << bound_m << ": " << on_grid.exact.max_m;
+      EXPECT_EQ(on_grid.beside.beyond, 0u) << bound_m << ": " << on_grid.beside.max_m;
+      EXPECT_EQ(on_grid.beside.uncovered, 0u) << bound_m;
     }
     EXPECT_LT(triangles, full.triangles.size() / 20);
   }
