@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cuesta/open_cut.h"
+#include "apps/overview/file_facts.h"
 #include "ooc/mesh_writer.h"
 #include "runtime/extract.h"
 

@@ -6,6 +6,7 @@
 
 #include "apps/cuesta/open_cut.h"
 #include "apps/cuesta/terrain_settings.h"
+#include "apps/overview/sketch.h"
 #include "apps/sample/point_list.h"
 #include "apps/terrain_view/ground_flight.h"
 #include "runtime/flight_file.h"

@@ -2,40 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "apps/cuesta/open_cut.h"
 #include "apps/cuesta/text_forms.h"
+#include "apps/overview/file_facts.h"
+#include "hierarchy/cuesta_file.h"
 #include "hierarchy/page_codec.h"
 
 namespace cuesta::app {
 namespace {
 
 using nlohmann::ordered_json;
-
-struct Round {
-  std::uint32_t pages = 0;
-  std::uint64_t triangles = 0, owned_triangles = 0, bytes = 0;
-  double least_error = 0, largest_error = 0;  // world units
-};
-
-std::vector<Round> rounds_of(const Directory& d) {
-  std::vector<Round> rounds;
-  for (const PageEntry& e : d.pages) {
-    if (e.round >= rounds.size()) rounds.resize(std::size_t{e.round} + 1);
-    Round& r = rounds[e.round];
-    const double least = static_cast<double>(decode_error(e.least_error)) * d.grid.step;
-    r.least_error = r.pages == 0 ? least : std::min(r.least_error, least);
-    r.largest_error =
-        std::max(r.largest_error, static_cast<double>(decode_error(e.largest_error)) * d.grid.step);
-    ++r.pages;
-    r.triangles += e.triangles;
-    r.owned_triangles += e.owned_triangles;
-    r.bytes += e.block.bytes;
-  }
-  return rounds;
-}
 
 /// What a file's bytes are spent on. Reads all of it.
 struct Spent {
@@ -82,15 +59,6 @@ double per_triangle(std::uint64_t bytes, const Directory& d) {
   return d.triangles == 0 ? 0 : static_cast<double>(bytes) / static_cast<double>(d.triangles);
 }
 
-/// World units: no substitution has a smaller error, but for zero.
-double least_error(const Directory& d) {
-  return static_cast<double>(decode_error(least_error_code)) * d.grid.step;
-}
-
-ordered_json json_of(Vec3d v) {
-  return ordered_json::array({v.x, v.y, v.z});
-}
-
 ordered_json json_of(const PageEntry& e, PageId id, const Grid& grid) {
   const Vec3d centre = grid.origin + vec_cast<double>(e.bound.centre) * grid.step;
   return {{"page", id},
@@ -104,56 +72,24 @@ ordered_json json_of(const PageEntry& e, PageId id, const Grid& grid) {
           {"owned_triangles", e.owned_triangles},
           {"least_error", static_cast<double>(decode_error(e.least_error)) * grid.step},
           {"largest_error", static_cast<double>(decode_error(e.largest_error)) * grid.step},
-          {"centre", json_of(centre)},
+          {"centre", vector_json(centre)},
           {"radius", static_cast<double>(e.bound.radius) * grid.step},
           {"coarser", e.coarser}};
 }
 
-ordered_json json_of(const Round& r, std::size_t number) {
-  return {{"round", number},
-          {"pages", r.pages},
-          {"triangles", r.triangles},
-          {"owned_triangles", r.owned_triangles},
-          {"bytes", r.bytes},
-          {"least_error", r.least_error},
-          {"largest_error", r.largest_error}};
-}
-
-/// The metadata as JSON; as a string where a hand-made file holds something else.
-ordered_json metadata_of(const Directory& d) {
-  ordered_json json = ordered_json::parse(d.metadata, nullptr, false);
-  return json.is_discarded() ? ordered_json(d.metadata) : json;
-}
-
-std::string dump(const ordered_json& json, int indent) {
-  return json.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
-}
-
-std::string json_text(const CuestaFile& file, const Spent& spent, bool pages) {
+std::string facts_text(const CuestaFile& file, const Spent& spent, bool pages) {
   const Directory& d = file.directory();
-  const Box3d box = world_box(d);
   ordered_json json;
   json["file"] = file.path().string();
   json["file_bytes"] = file.file_bytes();
-  json["triangles"] = d.triangles;
-  json["vertices"] = d.vertices;
-  json["bounds"] = {{"lo", json_of(box.lo)}, {"hi", json_of(box.hi)}};
-  json["grid"] = {{"origin", json_of(d.grid.origin)}, {"step", d.grid.step}};
-  json["snapping_error"] = snapping_error(d);
-  json["least_error"] = least_error(d);
-  json["attributes"] = {
-      {"normals", d.has_normals}, {"colours", d.has_colours}, {"texcoords", d.has_texcoords}};
-  json["page_count"] = d.pages.size();
-  json["rounds"] = ordered_json::array();
-  const auto rounds = rounds_of(d);
-  for (std::size_t r = 0; r < rounds.size(); ++r) json["rounds"].push_back(json_of(rounds[r], r));
+  json.update(directory_json(d));
   for (const auto& [what, bytes] : rows_of(spent))
     json["bytes"][what] = {{"bytes", bytes}, {"per_triangle", per_triangle(bytes, d)}};
   if (pages) json["pages"] = ordered_json::array();
   for (PageId id = 0; pages && id < d.pages.size(); ++id)
     json["pages"].push_back(json_of(d.pages[id], id, d.grid));
   json["metadata"] = metadata_of(d);
-  return dump(json, 2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 void print_rounds(const Directory& d) {
@@ -208,7 +144,7 @@ void print_text(const CuestaFile& file, const Spent& spent, bool pages) {
   print_rounds(d);
   print_spent(file, spent);
   if (pages) print_pages(d);
-  fmt::print("\nmetadata: {}\n", dump(metadata_of(d), 2));
+  fmt::print("\nmetadata: {}\n", json_text(metadata_of(d), 2));
 }
 
 }  // namespace
@@ -219,7 +155,7 @@ Result<void> run_info(const InfoSettings& settings) {
   const auto spent = spent_in(*file);
   if (!spent) return fail(spent.error());
   if (settings.json)
-    fmt::print("{}", json_text(*file, *spent, settings.pages));
+    fmt::print("{}", facts_text(*file, *spent, settings.pages));
   else
     print_text(*file, *spent, settings.pages);
   return {};

@@ -1,9 +1,8 @@
 #pragma once
-/// What the commands that look at a .cuesta file share: opening a cut, settling it, and the model's box.
+/// What the commands that look at a .cuesta file share: opening a cut, and settling it.
 
 #include <filesystem>
 #include <memory>
-#include <vector>
 
 #include "apps/cuesta/machine.h"
 #include "apps/cuesta/progress.h"
@@ -20,16 +19,6 @@ Result<std::unique_ptr<Cut>> open_cut(const std::filesystem::path& path, std::ui
 /// than asked.
 Result<AdaptReport> settle_cut(Cut& cut, const ErrorScale& scale, double tau, Budgets budgets,
                                Progress& progress);
-
-/// A few thousand points of the surface, in world units, from the base page alone: to place cameras. Moves
-/// the cut. Never empty.
-std::vector<Vec3d> sketch_points(Cut& cut);
-
-/// In world units.
-Box3d world_box(const Directory& directory);
-
-/// Largest distance between a vertex of the input and its place on the file's grid, in world units.
-double snapping_error(const Directory& directory);
 
 /// "triangles", "adapt time", …
 const char* name(Binding binding);

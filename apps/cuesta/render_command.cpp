@@ -8,9 +8,9 @@
 #include "apps/cuesta/stop_signal.h"
 #include "apps/cuesta/terrain_settings.h"
 #include "apps/cuesta/video_file.h"
+#include "apps/overview/sketch.h"
 #include "runtime/draw/png_file.h"
 #include "runtime/flight_file.h"
-#include "runtime/view_fit.h"
 
 namespace cuesta::app {
 namespace {
@@ -38,7 +38,7 @@ class Pictures {
     return pictures;
   }
 
-  std::vector<Vec3d> sketch() { return sketch_points(*cut_); }
+  Cut& cut() { return *cut_; }
   const std::optional<terrain_view::TerrainLook>& look() const { return look_; }
 
   /// It is `time_s` now, for what takes time: blends last as long in the pictures however long those take.
@@ -93,9 +93,7 @@ class Pictures {
 
 View still_view(const RenderSettings& s, Pictures& pictures) {
   if (s.camera) return camera_view(*s.camera, s.view, s.up_given, pictures.look());
-  if (pictures.look() && !s.up_given)
-    return terrain_view::first_view(*pictures.look(), pictures.sketch(), s.view);
-  return fit_view(pictures.sketch(), three_quarter_direction(s.view.up), s.view);
+  return first_view(pictures.cut(), s.up_given ? std::nullopt : pictures.look(), s.view);
 }
 
 Result<void> render_still(const RenderSettings& s, Pictures& pictures, Progress& progress) {
@@ -118,7 +116,7 @@ Result<void> render_still(const RenderSettings& s, Pictures& pictures, Progress&
 
 Result<Flight> chosen_flight(const RenderSettings& s, Pictures& pictures) {
   if (!s.flight.empty()) return read_flight(s.flight);
-  auto points = pictures.sketch();
+  auto points = sketch_points(pictures.cut());
   const View view = orbit_view(points, s.view, s.up_given, pictures.look());
   if (pictures.look())
     for (Vec3d& p : points) p = pictures.look()->relief.raised(p);

@@ -10,6 +10,7 @@
 #include "apps/cuesta/open_cut.h"
 #include "apps/cuesta/stop_signal.h"
 #include "apps/cuesta/terrain_settings.h"
+#include "apps/overview/sketch.h"
 #include "apps/view/budget_shares.h"
 #include "apps/view/camera_controls.h"
 #include "apps/view/flight_recorder.h"

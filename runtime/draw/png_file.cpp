@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <fstream>
+#include <span>
 
 #include "ooc/atomic_file.h"
 #include "ooc/check.h"
@@ -62,7 +63,7 @@ bool has_end_chunk(const Bytes& bytes) {
 
 }  // namespace
 
-Result<void> write_png(const std::filesystem::path& path, const Picture& picture) {
+Result<std::string> encode_png(const Picture& picture) {
   CUESTA_CHECK(picture.width_px > 0 && picture.height_px > 0, picture.width_px, picture.height_px);
   CUESTA_CHECK(picture.pixels.size() ==
                static_cast<std::size_t>(picture.width_px) * static_cast<std::size_t>(picture.height_px));
@@ -71,13 +72,22 @@ Result<void> write_png(const std::filesystem::path& path, const Picture& picture
   png.image.height = static_cast<png_uint_32>(picture.height_px);
   png.image.format = PNG_FORMAT_RGBA;  // 8-bit formats get an sRGB chunk
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png.image);
-  std::vector<std::byte> bytes(size);
+  std::string bytes(size, '\0');
   if (!png_image_write_to_memory(&png.image, bytes.data(), &size, 0, picture.pixels.data(), 0, nullptr))
-    return fail(ErrorCode::io, path.string(), "",
-                std::string("cannot encode the picture: ") + png.image.message);
+    return fail(ErrorCode::io, "", "", std::string("cannot encode the picture: ") + png.image.message);
+  bytes.resize(size);
+  return bytes;
+}
+
+Result<void> write_png(const std::filesystem::path& path, const Picture& picture) {
+  auto bytes = encode_png(picture);
+  if (!bytes) {
+    bytes.error().file = path.string();
+    return fail(bytes.error());
+  }
   auto file = AtomicFile::create(path);
   if (!file) return fail(file.error());
-  if (auto written = file->write({bytes.data(), size}); !written) return written;
+  if (auto written = file->write(std::as_bytes(std::span(*bytes))); !written) return written;
   return file->commit();
 }
 

@@ -2,11 +2,16 @@
 /// Pictures to and from PNG files.
 
 #include <filesystem>
+#include <string>
 
 #include "ooc/result.h"
 #include "runtime/draw/picture.h"
 
 namespace cuesta {
+
+/// The bytes of a PNG file of 8-bit RGBA with an sRGB chunk.
+/// @pre   picture has at least one pixel.   @error io.
+Result<std::string> encode_png(const Picture& picture);
 
 /// Writes 8-bit RGBA with an sRGB chunk, to a temporary name that is then renamed.
 /// @pre   picture has at least one pixel.   @error io.
