@@ -23,6 +23,7 @@ pkg_check_modules(LIBZIP REQUIRED IMPORTED_TARGET libzip)
 find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED CONFIG)
 find_package(meshoptimizer REQUIRED CONFIG)
+find_package(Boost 1.74 REQUIRED)  # headers only: Asio and Beast, for apps/serve
 include(CuestaOpenVDB)
 find_path(NANOFLANN_INCLUDE_DIR nanoflann.hpp REQUIRED)  # header only, used in one source file
 if(CUESTA_TESTS)

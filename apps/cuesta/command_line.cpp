@@ -18,6 +18,7 @@
 #include "apps/cuesta/measure_command.h"
 #include "apps/cuesta/render_command.h"
 #include "apps/cuesta/sample_command.h"
+#include "apps/cuesta/serve_command.h"
 #include "apps/cuesta/text_forms.h"
 #include "apps/cuesta/verify_command.h"
 #include "apps/cuesta/view_command.h"
@@ -542,6 +543,36 @@ void add_sample(CLI::App& program, Common& common) {
   });
 }
 
+void add_serve(CLI::App& program, Common& common) {
+  Command<ServeSettings> c(
+      program, "serve", "Serves .cuesta files over HTTP.",
+      "A start page with pictures, facts as JSON (/api/datasets), and the files themselves, in ranges\n"
+      "(/data/NAME.cuesta); /healthz and /metrics for those who run it. Files may appear, be replaced and\n"
+      "disappear meanwhile: it looks every second. Nothing outside PATH can be read; links in it are not\n"
+      "followed. There is no encryption: put a reverse proxy in front (docs/serving.md).\n\n"
+      "Ctrl-C ends the responses under way, and then the server.\n\n"
+      "Examples:\n  cuesta serve scans/\n"
+      "  cuesta serve alps.cuesta dragon.cuesta --bind 0.0.0.0 --port 80");
+  ServeSettings& s = *c.settings;
+  c.app->add_option("PATH", s.paths, ".cuesta files, and folders that are searched for them")
+      ->type_name("")
+      ->required();
+  c.app->add_option("--port", s.port, "default 8080; 0: any that is free")->type_name("N");
+  c.app
+      ->add_option("--bind", s.bind,
+                   "address to listen at: 0.0.0.0 or :: for all; default 127.0.0.1, this machine")
+      ->type_name("ADDRESS");
+  c.app->add_option("--threads", s.threads, "threads that serve; default: the machine's, at most 16")
+      ->type_name("N")
+      ->check(CLI::Range(1u, 256u));
+  c.app->add_option("--connections", s.connections, "that are open at once; default 1024")
+      ->type_name("N")
+      ->check(CLI::Range(1u, 1'000'000u));
+  add_path(c.app, "--page", s.page, "folder with a built web page, served at /view/")->type_name("DIR");
+  c.app->add_flag("!--no-thumbnails", s.thumbnails, "the start page has no pictures");
+  c.runs(common, run_serve);
+}
+
 void add_verify(CLI::App& program, Common& common) {
   Command<VerifySettings> c(
       program, "verify", "Checks a .cuesta file: bytes, structure, invariants.",
@@ -600,6 +631,7 @@ int run_command_line(int argc, char** argv) {
   add_flight(program, common);
   add_export(program, common);
   add_sample(program, common);
+  add_serve(program, common);
   add_verify(program, common);
   add_measure(program, common);
   const auto is_named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };

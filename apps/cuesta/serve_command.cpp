@@ -1,0 +1,106 @@
+#include "apps/cuesta/serve_command.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+#include "apps/cuesta/machine.h"
+#include "apps/cuesta/stop_signal.h"
+#include "apps/serve/server.h"
+#include "apps/serve/thumbnails.h"
+
+namespace cuesta::app {
+namespace {
+
+constexpr auto look_every = std::chrono::milliseconds(1000);  // for files that appear, change and disappear
+constexpr auto nap = std::chrono::milliseconds(50);
+
+/// A connection takes a descriptor, and so does a file.
+void raise_descriptor_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  (void)setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+void tell(const std::vector<Error>& errors) {
+  for (const Error& error : errors) fmt::print(stderr, "cuesta: not served: {}\n", error.text());
+}
+
+/// A path that is not there is a mistake; one that goes away later is not.
+Result<void> check_paths(const ServeSettings& s) {
+  std::vector<std::filesystem::path> paths = s.paths;
+  if (!s.page.empty()) paths.push_back(s.page);
+  for (const auto& path : paths) {
+    std::error_code error;
+    if (std::filesystem::exists(path, error)) continue;
+    return fail(error ? ErrorCode::io : ErrorCode::not_found, path.string(), "",
+                error ? error.message() : "there is no such file or folder");
+  }
+  return {};
+}
+
+serve::ServerSettings server_settings(const ServeSettings& s) {
+  serve::ServerSettings settings;
+  settings.bind = s.bind;
+  settings.port = s.port;
+  settings.threads = s.threads > 0 ? s.threads : std::clamp(std::thread::hardware_concurrency(), 1u, 16u);
+  settings.limits.connections = s.connections;
+  return settings;
+}
+
+serve::SiteParts site_parts(serve::Thumbnails* thumbnails) {
+  serve::SiteParts parts;
+  if (thumbnails)
+    parts.thumbnail = [thumbnails](auto set, auto done) {
+      thumbnails->make(std::move(set), std::move(done));
+    };
+  parts.gauges = [thumbnails] {
+    return std::vector<serve::Gauge>{
+        {"cuesta_thumbnails_drawn_total", "Pictures that were drawn.",
+         thumbnails ? static_cast<double>(thumbnails->drawn()) : 0.0, true},
+        {"process_resident_memory_bytes", "Memory.", static_cast<double>(resident_bytes())}};
+  };
+  return parts;
+}
+
+void follow_files(serve::Catalogue& catalogue) {
+  auto next = std::chrono::steady_clock::now() + look_every;
+  while (!stop_requested()) {
+    std::this_thread::sleep_for(nap);
+    if (std::chrono::steady_clock::now() < next) continue;
+    tell(catalogue.update());
+    next = std::chrono::steady_clock::now() + look_every;
+  }
+}
+
+std::string address_text(const std::string& bind, std::uint16_t port) {
+  return bind.find(':') == bind.npos ? fmt::format("http://{}:{}/", bind, port)
+                                     : fmt::format("http://[{}]:{}/", bind, port);
+}
+
+}  // namespace
+
+Result<void> run_serve(const ServeSettings& settings) {
+  if (auto r = check_paths(settings); !r) return r;
+  raise_descriptor_limit();
+  serve::Catalogue catalogue(settings.paths, settings.page);
+  tell(catalogue.update());
+  auto thumbnails = settings.thumbnails ? serve::Thumbnails::create({}) : nullptr;
+  const serve::Site site(catalogue, site_parts(thumbnails.get()));
+  auto server = serve::Server::start(server_settings(settings), site);
+  if (!server) return fail(server.error());
+  fmt::print("{}: {} data sets; Ctrl-C ends it\n", address_text(settings.bind, (*server)->port()),
+             catalogue.contents()->datasets.size());
+  std::fflush(stdout);
+  follow_files(catalogue);
+  (*server)->stop();
+  thumbnails.reset();  // while there is a server that its pictures can be given to
+  return {};
+}
+
+}  // namespace cuesta::app

@@ -1,0 +1,13 @@
+#pragma once
+/// The start page: what is served, as HTML without scripts.
+
+#include <string>
+
+#include "apps/serve/catalogue.h"
+
+namespace cuesta::serve {
+
+/// Names and attributions are escaped. Links to the web page where there is one.
+std::string start_page(const Contents& contents);
+
+}  // namespace cuesta::serve
