@@ -1,6 +1,7 @@
 #include "ooc/compressed_stream.h"
 
 #include <fmt/format.h>
+#include <lzma.h>
 #include <zlib.h>
 #include <zstd.h>
 #include <zstd_errors.h>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "ooc/check.h"
+#include "ooc/zip_member.h"
 
 namespace cuesta {
 namespace {
@@ -41,10 +43,13 @@ class Output {
       : input_bytes_(input.size()), limits_(limits), sink_(sink), block_(block_bytes) {}
 
   char* data() { return block_.data(); }
-  Result<void> pass(std::size_t count, std::uint64_t bytes_in) {
-    total_ += count;
+  Result<void> pass(std::span<const char> block, std::uint64_t bytes_in) {
+    total_ += block.size();
     if (auto r = check_ratio(input_bytes_, total_, limits_); !r) return r;
-    return sink_({block_.data(), count}, bytes_in);
+    return sink_(block, bytes_in);
+  }
+  Result<void> pass(std::size_t count, std::uint64_t bytes_in) {
+    return pass({block_.data(), count}, bytes_in);
   }
 
  private:
@@ -132,10 +137,52 @@ Result<void> unpack_zstd(std::span<const char> bytes, std::uint64_t memory_bytes
   }
 }
 
+struct EndXz {
+  void operator()(lzma_stream* stream) const { lzma_end(stream); }
+};
+
+tl::unexpected<Error> xz_error(lzma_ret status, std::span<const char> bytes, std::uint64_t at) {
+  switch (status) {
+    case LZMA_MEM_ERROR:
+      return fail(ErrorCode::out_of_budget, "", "", "the system has no memory left");
+    case LZMA_MEMLIMIT_ERROR:
+      return fail(ErrorCode::out_of_budget, "", fmt::format("byte {}", at),
+                  "the xz stream needs a larger window to unpack; allow more memory");
+    case LZMA_BUF_ERROR:
+      return ends_early(bytes, "xz");
+    default:
+      return corrupt_at(at, "damaged xz stream");
+  }
+}
+
+Result<void> unpack_xz(std::span<const char> bytes, std::uint64_t memory_bytes, Output& out) {
+  lzma_stream stream = LZMA_STREAM_INIT;
+  if (lzma_stream_decoder(&stream, memory_bytes, LZMA_CONCATENATED) != LZMA_OK)
+    return fail(ErrorCode::out_of_budget, "", "", "the system has no memory left");
+  const std::unique_ptr<lzma_stream, EndXz> end(&stream);
+  stream.next_in = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  stream.avail_in = bytes.size();
+  for (;;) {
+    stream.next_out = reinterpret_cast<std::uint8_t*>(out.data());
+    stream.avail_out = block_bytes;
+    const lzma_ret status = lzma_code(&stream, LZMA_FINISH);
+    const std::uint64_t at = bytes.size() - stream.avail_in;
+    if (auto r = out.pass(block_bytes - stream.avail_out, at); !r) return r;
+    if (status == LZMA_STREAM_END) return {};
+    if (status != LZMA_OK) return xz_error(status, bytes, at);
+  }
+}
+
 }  // namespace
 
 Compression compression_of(std::span<const char> bytes) {
   if (is_gzip(bytes)) return Compression::gzip;
+  if (is_zip(bytes)) return Compression::zip;
+  if (std::string_view(bytes.data(), bytes.size())
+          .starts_with(std::string_view("\xfd"
+                                        "7zXZ\0",
+                                        6)))
+    return Compression::xz;
   if (bytes.size() < 4) return Compression::none;
   const std::string_view start(bytes.data(), 4);
   if (start == "\x28\xb5\x2f\xfd") return Compression::zstd;
@@ -149,6 +196,10 @@ std::string_view name(Compression compression) {
       return "gzip";
     case Compression::zstd:
       return "zstd";
+    case Compression::xz:
+      return "xz";
+    case Compression::zip:
+      return "zip";
     case Compression::none:
       break;
   }
@@ -157,10 +208,23 @@ std::string_view name(Compression compression) {
 
 Result<void> unpack(std::span<const char> bytes, Compression compression, const UnpackLimits& limits,
                     const UnpackSink& sink) {
-  CUESTA_CHECK(compression != Compression::none);
   Output out(bytes, limits, sink);
-  return compression == Compression::gzip ? unpack_gzip(bytes, out)
-                                          : unpack_zstd(bytes, limits.memory_bytes, out);
+  switch (compression) {
+    case Compression::gzip:
+      return unpack_gzip(bytes, out);
+    case Compression::zstd:
+      return unpack_zstd(bytes, limits.memory_bytes, out);
+    case Compression::xz:
+      return unpack_xz(bytes, limits.memory_bytes, out);
+    case Compression::zip:
+      return unpack_zip(bytes, [&out](std::span<const char> block, std::uint64_t bytes_in) {
+        return out.pass(block, bytes_in);
+      });
+    case Compression::none:
+      break;
+  }
+  CUESTA_CHECK(compression != Compression::none);
+  return {};
 }
 
 std::optional<std::uint64_t> declared_size(std::span<const char> bytes, Compression compression) {

@@ -1,6 +1,6 @@
 #pragma once
-/// gzip and Zstandard streams (RFC 1952, RFC 8878) unpacked block by block: checksums, members, limits
-/// against bombs.
+/// gzip, Zstandard and xz streams (RFC 1952, RFC 8878, xz-file-format 1.1) and zip archives of one file,
+/// unpacked block by block: checksums, members, limits against bombs.
 
 #include <cstdint>
 #include <functional>
@@ -12,18 +12,18 @@
 
 namespace cuesta {
 
-enum class Compression : std::uint8_t { none, gzip, zstd };
+enum class Compression : std::uint8_t { none, gzip, zstd, xz, zip };
 
 /// By the first bytes alone; a Zstandard stream may begin with a skippable frame (pzstd writes one).
 Compression compression_of(std::span<const char> bytes);
-/// "gzip", "zstd"; "none".
+/// "gzip", "zstd", "xz", "zip"; "none".
 std::string_view name(Compression compression);
 
 /// A stream is refused once its output is larger than both bounds. gzip itself reaches 1032:1, on zeros only;
 /// meshes reach 20:1 or so.
 struct UnpackLimits {
   std::uint64_t memory_bytes = std::uint64_t{160}
-                               << 20;  ///< for the decoder: a Zstandard window is at most 128 MiB
+                               << 20;  ///< for the decoder: a Zstandard window is at most 128 MiB, one of xz -9 is 64
   std::uint64_t always_allowed_bytes = std::uint64_t{1} << 30;
   std::uint64_t most_ratio = 1000;
 };
@@ -33,7 +33,8 @@ struct UnpackLimits {
 using UnpackSink = std::function<Result<void>(std::span<const char> block, std::uint64_t bytes_in)>;
 
 /// Unpacks the whole of `bytes`: gzip with any number of members, Zstandard with any number of frames,
-/// checksums verified where the stream has them. Zeros after a gzip stream are padding.
+/// xz with any number of streams, a zip's only member (zip_member.h); checksums verified where there are any.
+/// Zeros after a gzip stream are padding.
 /// @pre compression is not none.
 /// @error corrupt with the byte of the input: damaged, or it ends too early; out_of_budget: a bomb, or a
 /// window that does not fit `memory_bytes`; what the sink returned. The error's file is empty.

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "ooc/local_name.h"
+
 namespace cuesta::gltf {
 namespace {
 
@@ -60,17 +62,6 @@ std::string percent_decoded(std::string_view uri) {
   return text;
 }
 
-/// A name below the file's own folder: nothing absolute, no scheme, no way up.
-bool is_local(const std::string& name) {
-  if (name.empty() || name.find('\0') != name.npos || name.find(':') != name.npos ||
-      name.find('\\') != name.npos) {
-    return false;
-  }
-  const std::filesystem::path path(name);
-  return path.is_relative() &&
-         std::none_of(path.begin(), path.end(), [](const auto& part) { return part == ".."; });
-}
-
 }  // namespace
 
 double Numbers::real(std::uint64_t element, std::uint32_t k) const {
@@ -112,6 +103,15 @@ std::uint64_t Numbers::index(std::uint64_t element) const {
     default:
       return ~std::uint64_t{0};  // out of range of every mesh
   }
+}
+
+std::vector<std::filesystem::path> Data::paths_of_others() const {
+  std::vector<std::filesystem::path> paths;
+  for (const Buffer& b : document_.buffers) {
+    const std::string name = percent_decoded(b.uri);
+    if (!b.uri.starts_with("data:") && is_local_name(name)) paths.push_back(job_.path.parent_path() / name);
+  }
+  return paths;
 }
 
 Result<std::vector<char>*> Data::allocate(Memory& memory, std::uint64_t count, std::uint64_t element_bytes,
@@ -168,7 +168,7 @@ Result<std::span<const char>> Data::load_buffer(Id id) {
     return decode_base64(std::string_view(uri).substr(comma + 8));
   }
   const std::string name = percent_decoded(uri);
-  if (!is_local(name)) {
+  if (!is_local_name(name)) {
     return job_.error(
         ErrorCode::invalid_input, fmt::format("buffer {}", id),
         "refused to read " + quote_word(name) + ": only files in the glTF file's folder are read");

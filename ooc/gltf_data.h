@@ -44,6 +44,8 @@ class Data {
   Result<void> check_unchanged() const;
   /// Files that were opened so far.
   std::uint64_t other_files() const { return files_.size(); }
+  /// All that the document names, read or not; names that would be refused are left out.
+  std::vector<std::filesystem::path> paths_of_others() const;
 
  private:
   Result<std::span<const char>> buffer(Id buffer);

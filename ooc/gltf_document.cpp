@@ -153,9 +153,9 @@ void check_version(const Json& root) {
     if (!name.is_string()) bad("\"extensionsRequired\" holds something that is not a string");
     const std::string text = name.get<std::string>();
     const bool known = text == "KHR_draco_mesh_compression" || text == "EXT_meshopt_compression" ||
-                       text == "KHR_mesh_quantization" || text.starts_with("KHR_materials_") ||
-                       text.starts_with("KHR_texture_") || text.starts_with("EXT_texture_") ||
-                       text.starts_with("KHR_lights_");
+                       text == "KHR_mesh_quantization" || text == "EXT_mesh_gpu_instancing" ||
+                       text.starts_with("KHR_materials_") || text.starts_with("KHR_texture_") ||
+                       text.starts_with("EXT_texture_") || text.starts_with("KHR_lights_");
     if (!known) {
       throw Bad{ErrorCode::unsupported_version, "the file requires the extension " + quote_word(text) +
                                                     ", which is not read; export it without"};
@@ -232,7 +232,7 @@ Primitive primitive_of(const Json& json, const Document& d) {
   if (mode > 6) bad(fmt::format("primitive mode {} is unknown", mode));
   p.mode = mode == 4 ? Mode::triangles : mode == 5 ? Mode::strip : mode == 6 ? Mode::fan : Mode::other;
   p.indices = id_or_none(json, "indices", accessors);
-  p.material = id_or_none(json, "material", d.base_colours.size());
+  p.material = id_or_none(json, "material", d.materials.size());
   const Json& attributes = need(json, "attributes");
   p.position = id_or_none(attributes, "POSITION", accessors);
   p.normal = id_or_none(attributes, "NORMAL", accessors);
@@ -249,57 +249,71 @@ Primitive primitive_of(const Json& json, const Document& d) {
   return p;
 }
 
+float factor_or(const Json& object, const char* key, float otherwise) {
+  const Json* found = find(object, key);
+  if (!found) return otherwise;
+  if (!found->is_number()) bad(fmt::format("\"{}\" is not a number", key));
+  return std::clamp(found->get<float>(), 0.0f, 1.0f);
+}
+
+Material material_of(const Json& json) {
+  Material m;
+  m.name = text_or_empty(json, "name");
+  m.blended = text_or_empty(json, "alphaMode") == "BLEND";
+  if (const Json* sides = find(json, "doubleSided"))
+    m.double_sided = sides->is_boolean() && sides->get<bool>();
+  const Json* pbr = find(json, "pbrMetallicRoughness");
+  if (!pbr) return m;
+  read_numbers(*pbr, "baseColorFactor", m.base_colour);
+  m.metallic = factor_or(*pbr, "metallicFactor", m.metallic);
+  m.roughness = factor_or(*pbr, "roughnessFactor", m.roughness);
+  m.textured = find(*pbr, "baseColorTexture") != nullptr;
+  return m;
+}
+
 void read_meshes(const Json& root, Document& d) {
-  each(root, "materials", [&](const Json& json) {
-    std::array<float, 4> colour{1, 1, 1, 1};
-    if (const Json* pbr = find(json, "pbrMetallicRoughness")) read_numbers(*pbr, "baseColorFactor", colour);
-    d.base_colours.push_back(colour);
-  });
+  each(root, "materials", [&](const Json& json) { d.materials.push_back(material_of(json)); });
   each(root, "meshes", [&](const Json& json) {
     Mesh& mesh = d.meshes.emplace_back();
-    each(json, "primitives", [&](const Json& p) { mesh.primitives.push_back(primitive_of(p, d)); });
+    mesh.name = text_or_empty(json, "name");
+    each(json, "primitives", [&](const Json& p) {
+      mesh.primitives.push_back(primitive_of(p, d));
+      mesh.has_morph_targets |= find(p, "targets") != nullptr;
+    });
   });
 }
 
-/// Translation · rotation · scale, by columns.
-std::array<double, 16> local_matrix(const Json& json) {
-  std::array<double, 16> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-  if (read_numbers(json, "matrix", m)) return m;
+LocalTransform local_of(const Json& json) {
+  std::array<double, 16> m{};
+  if (read_numbers(json, "matrix", m))
+    return Affine{{Vec3d{m[0], m[1], m[2]}, Vec3d{m[4], m[5], m[6]}, Vec3d{m[8], m[9], m[10]}},
+                  {m[12], m[13], m[14]}};
   std::array<double, 3> t{0, 0, 0}, s{1, 1, 1};
-  std::array<double, 4> q{0, 0, 0, 1};
+  Trs trs;
   read_numbers(json, "translation", t);
-  read_numbers(json, "rotation", q);
+  read_numbers(json, "rotation", trs.rotation);
   read_numbers(json, "scale", s);
-  const auto [x, y, z, w] = q;
-  return {(1 - 2 * (y * y + z * z)) * s[0],
-          2 * (x * y + z * w) * s[0],
-          2 * (x * z - y * w) * s[0],
-          0,
-          2 * (x * y - z * w) * s[1],
-          (1 - 2 * (x * x + z * z)) * s[1],
-          2 * (y * z + x * w) * s[1],
-          0,
-          2 * (x * z + y * w) * s[2],
-          2 * (y * z - x * w) * s[2],
-          (1 - 2 * (x * x + y * y)) * s[2],
-          0,
-          t[0],
-          t[1],
-          t[2],
-          1};
+  trs.translation = {t[0], t[1], t[2]};
+  trs.scale = {s[0], s[1], s[2]};
+  return trs;
 }
 
-void read_nodes(const Json& root, Document& d) {
-  const Json* nodes = find(root, "nodes");
-  const std::size_t count = nodes && nodes->is_array() ? nodes->size() : 0;
-  each(root, "nodes", [&](const Json& json) {
-    Node node;
-    node.mesh = id_or_none(json, "mesh", d.meshes.size());
-    node.matrix = local_matrix(json);
-    each(json, "children",
-         [&](const Json& child) { node.children.push_back(checked_id(child, "children", count)); });
-    d.nodes.push_back(std::move(node));
-  });
+Instancing instancing_of(const Json& json, std::size_t accessors) {
+  const Json* found = extension(json, "EXT_mesh_gpu_instancing");
+  if (!found) return {};
+  const Json& attributes = need(*found, "attributes");
+  return {id_or_none(attributes, "TRANSLATION", accessors), id_or_none(attributes, "ROTATION", accessors),
+          id_or_none(attributes, "SCALE", accessors)};
+}
+
+void add_children(const Json& json, std::size_t nodes, Node& node) {
+  each(json, "children",
+       [&](const Json& child) { node.children.push_back(checked_id(child, "children", nodes)); });
+}
+
+/// Of all scenes, each once; without scenes, nodes that have no parent.
+void find_roots(const Json& root, Document& d) {
+  const std::size_t count = d.nodes.size();
   std::vector<bool> is_root(count, false);
   const auto add_root = [&](Id id) {
     if (!is_root[id]) d.roots.push_back(id);
@@ -320,6 +334,56 @@ void read_nodes(const Json& root, Document& d) {
   }
 }
 
+void read_nodes(const Json& root, Document& d) {
+  const Json* nodes = find(root, "nodes");
+  const std::size_t count = nodes && nodes->is_array() ? nodes->size() : 0;
+  each(root, "nodes", [&](const Json& json) {
+    Node node;
+    node.name = text_or_empty(json, "name");
+    node.mesh = id_or_none(json, "mesh", d.meshes.size());
+    node.local = local_of(json);
+    node.instancing = instancing_of(json, d.accessors.size());
+    node.skinned = find(json, "skin") != nullptr;
+    add_children(json, count, node);
+    d.nodes.push_back(std::move(node));
+  });
+  find_roots(root, d);
+}
+
+Sampler sampler_of(const Json& json, std::size_t accessors) {
+  const std::string way = text_or_empty(json, "interpolation");
+  if (!way.empty() && way != "LINEAR" && way != "STEP" && way != "CUBICSPLINE")
+    bad("interpolation " + quote_word(way) + " is unknown");
+  return {checked_id(need(json, "input"), "input", accessors),
+          checked_id(need(json, "output"), "output", accessors),
+          way == "STEP"          ? Interpolation::step
+          : way == "CUBICSPLINE" ? Interpolation::cubic
+                                 : Interpolation::linear};
+}
+
+void read_animations(const Json& root, Document& d) {
+  each(root, "animations", [&](const Json& json) {
+    Animation& animation = d.animations.emplace_back();
+    animation.name = text_or_empty(json, "name");
+    std::vector<Sampler> samplers;
+    each(json, "samplers", [&](const Json& s) { samplers.push_back(sampler_of(s, d.accessors.size())); });
+    each(json, "channels", [&](const Json& channel) {
+      const Json& target = need(channel, "target");
+      const std::string path = text_or_empty(target, "path");
+      const Id node = id_or_none(target, "node", d.nodes.size());
+      const Sampler sampler = samplers[checked_id(need(channel, "sampler"), "sampler", samplers.size())];
+      if (node == none || (path != "translation" && path != "rotation" && path != "scale")) {
+        ++animation.dropped;
+        return;
+      }
+      animation.channels.push_back({sampler, node,
+                                    path == "translation" ? AnimatedProperty::translation
+                                    : path == "rotation"  ? AnimatedProperty::rotation
+                                                          : AnimatedProperty::scale});
+    });
+  });
+}
+
 Document parse_or_throw(std::string_view text, ReadBudget& budget) {
   TreeSize size(budget.left() / 2);  // the other half: the structs made from it
   if (!Json::sax_parse(text, &size)) {
@@ -335,6 +399,7 @@ Document parse_or_throw(std::string_view text, ReadBudget& budget) {
   read_data(root, d);
   read_meshes(root, d);
   read_nodes(root, d);
+  read_animations(root, d);
   return d;
 }
 
@@ -342,8 +407,10 @@ std::uint64_t bytes_of(const Document& d) {
   std::uint64_t bytes = d.views.capacity() * sizeof(View) + d.accessors.capacity() * sizeof(Accessor) +
                         d.meshes.capacity() * sizeof(Mesh) + d.nodes.capacity() * sizeof(Node);
   for (const Buffer& b : d.buffers) bytes += sizeof(Buffer) + b.uri.capacity();
-  for (const Mesh& m : d.meshes) bytes += m.primitives.capacity() * sizeof(Primitive);
-  for (const Node& n : d.nodes) bytes += n.children.capacity() * sizeof(Id);
+  bytes += d.materials.capacity() * sizeof(Material) + d.animations.capacity() * sizeof(Animation);
+  for (const Mesh& m : d.meshes) bytes += m.primitives.capacity() * sizeof(Primitive) + m.name.capacity();
+  for (const Node& n : d.nodes) bytes += n.children.capacity() * sizeof(Id) + n.name.capacity();
+  for (const Animation& a : d.animations) bytes += a.channels.capacity() * sizeof(Channel);
   return bytes;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The part of a glTF 2.0 file that geometry needs, as plain structs: what the JSON says, nothing loaded.
+/// The part of a glTF 2.0 file that scenes need, as plain structs: what the JSON says, nothing loaded.
 
 #include <array>
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ooc/read_job.h"
+#include "ooc/scene.h"
 
 namespace cuesta::gltf {
 
@@ -73,22 +74,61 @@ struct Primitive {
 };
 
 struct Mesh {
+  std::string name;
   std::vector<Primitive> primitives;
+  bool has_morph_targets = false;
+};
+
+struct Material {
+  std::string name;
+  std::array<float, 4> base_colour{1, 1, 1, 1};  ///< linear
+  float metallic = 1, roughness = 1;
+  bool double_sided = false;
+  bool blended = false;   ///< alphaMode BLEND
+  bool textured = false;  ///< its base colour has a texture
+};
+
+/// EXT_mesh_gpu_instancing: accessors, one transform per element; all none: the node's mesh is shown once.
+struct Instancing {
+  Id translation = none, rotation = none, scale = none;
+
+  bool is_there() const { return translation != none || rotation != none || scale != none; }
 };
 
 struct Node {
+  std::string name;
   Id mesh = none;
   std::vector<Id> children;
-  std::array<double, 16> matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};  ///< local, by columns
+  LocalTransform local;
+  Instancing instancing;
+  bool skinned = false;
+};
+
+struct Sampler {
+  Id times = none, values = none;  ///< accessors
+  Interpolation interpolation = Interpolation::linear;
+};
+
+struct Channel {
+  Sampler sampler;
+  Id node = none;
+  AnimatedProperty property = AnimatedProperty::translation;
+};
+
+struct Animation {
+  std::string name;
+  std::vector<Channel> channels;  ///< of nodes' transforms
+  std::uint64_t dropped = 0;      ///< channels of anything else
 };
 
 struct Document {
   std::vector<Buffer> buffers;
   std::vector<View> views;
   std::vector<Accessor> accessors;
-  std::vector<std::array<float, 4>> base_colours;  ///< linear, one per material
+  std::vector<Material> materials;
   std::vector<Mesh> meshes;
   std::vector<Node> nodes;
+  std::vector<Animation> animations;
   std::vector<Id> roots;  ///< of all scenes, each once; of a file without scenes, all nodes without a parent
 };
 

@@ -2,48 +2,70 @@
 
 #include <fmt/format.h>
 
+#include "ooc/gltf_data.h"
+
 namespace cuesta::gltf {
+namespace {
 
-/// The cofactors are the inverse transpose times the determinant; only the determinant's sign matters to a
-/// direction.
-Vec3f Transform::normal(Vec3d n) const {
-  const Vec3d turned = cross(columns[1], columns[2]) * n.x + cross(columns[2], columns[0]) * n.y +
-                       cross(columns[0], columns[1]) * n.z;
-  return vec_cast<float>(normalized(mirrored ? -turned : turned));
+/// The numbers of an attribute of an instancing, or none.
+Result<std::optional<Numbers>> attribute(const ReadJob& job, Data& data, Id accessor,
+                                         std::uint32_t components) {
+  if (accessor == none) return std::optional<Numbers>();
+  auto numbers = data.numbers(accessor);
+  if (!numbers) return fail(std::move(numbers).error());
+  if (numbers->components < components)
+    return job.error(ErrorCode::corrupt, fmt::format("accessor {}", accessor),
+                     fmt::format("expected {} components, found {}", components, numbers->components));
+  return std::optional<Numbers>(*numbers);
 }
 
-Transform compose(const Transform& outer, const std::array<double, 16>& m) {
-  Transform inner;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3d column{m[4 * k], m[4 * k + 1], m[4 * k + 2]};
-    inner.columns[k] =
-        outer.columns[0] * column.x + outer.columns[1] * column.y + outer.columns[2] * column.z;
+Vec3d vector_at(const Numbers& n, std::uint64_t i) {
+  return {n.real(i, 0), n.real(i, 1), n.real(i, 2)};
+}
+
+}  // namespace
+
+Result<std::vector<Trs>> placements_of(const ReadJob& job, const Document& document,
+                                       const Instancing& instancing, Data& data) {
+  const Id any = instancing.translation != none ? instancing.translation
+                 : instancing.rotation != none  ? instancing.rotation
+                                                : instancing.scale;
+  if (any == none) return std::vector<Trs>(1);
+  const std::uint64_t count = document.accessors[any].count;
+  auto translation = attribute(job, data, instancing.translation, 3);
+  if (!translation) return fail(std::move(translation).error());
+  auto rotation = attribute(job, data, instancing.rotation, 4);
+  if (!rotation) return fail(std::move(rotation).error());
+  auto scale = attribute(job, data, instancing.scale, 3);
+  if (!scale) return fail(std::move(scale).error());
+  for (const auto* numbers : {&*translation, &*rotation, &*scale})
+    if (*numbers && (*numbers)->count != count)
+      return job.error(ErrorCode::corrupt, "JSON", "attributes of an instancing have different counts");
+  CUESTA_TRY(job.budget.charge(count, sizeof(Trs) + 2 * sizeof(Affine), "instances"));
+  std::vector<Trs> placements(count);
+  for (std::uint64_t i = 0; i < count; ++i) {
+    if (*translation) placements[i].translation = vector_at(**translation, i);
+    if (*scale) placements[i].scale = vector_at(**scale, i);
+    for (std::uint32_t k = 0; *rotation && k < 4; ++k) placements[i].rotation[k] = (*rotation)->real(i, k);
   }
-  inner.translation = outer.point({m[12], m[13], m[14]});
-  inner.mirrored = dot(inner.columns[0], cross(inner.columns[1], inner.columns[2])) < 0;
-  return inner;
+  return placements;
 }
 
-Result<std::vector<std::vector<Transform>>> instances_of(const ReadJob& job, const Document& document) {
-  // Each node is placed once, on the stack and then in a list that doubles as it grows.
-  CUESTA_TRY(job.budget.charge(document.nodes.size(), 5 * sizeof(Transform), "nodes"));
-  std::vector<std::vector<Transform>> instances(document.meshes.size());
+Result<std::vector<Visit>> visits_of(const ReadJob& job, const Document& document) {
+  // Each node is once on the stack and once in the list.
+  CUESTA_TRY(job.budget.charge(document.nodes.size(), 2 * sizeof(Visit), "nodes"));
+  std::vector<Visit> visits, stack;
+  visits.reserve(document.nodes.size());
   std::vector<bool> reached(document.nodes.size(), false);
-  struct Visit {
-    Id node;
-    Transform outer;
-  };
-  std::vector<Visit> stack;
   for (const Id root : document.roots) {
     if (reached[root]) continue;
     reached[root] = true;
-    stack.push_back({root, {}});
+    stack.push_back({root, no_index});
     while (!stack.empty()) {
-      const Visit visit = stack.back();
+      const auto here = static_cast<std::uint32_t>(visits.size());
+      visits.push_back(stack.back());
       stack.pop_back();
-      const Node& node = document.nodes[visit.node];
-      const Transform here = compose(visit.outer, node.matrix);
-      if (node.mesh != none) instances[node.mesh].push_back(here);
+      const Node& node = document.nodes[visits.back().node];
       for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) {
         if (reached[*child]) {
           return job.error(ErrorCode::corrupt, fmt::format("node {}", *child),
@@ -53,6 +75,26 @@ Result<std::vector<std::vector<Transform>>> instances_of(const ReadJob& job, con
         stack.push_back({*child, here});
       }
     }
+  }
+  return visits;
+}
+
+Result<std::vector<std::vector<Affine>>> instances_of(const ReadJob& job, const Document& document,
+                                                      Data& data) {
+  const auto visits = visits_of(job, document);
+  if (!visits) return fail(visits.error());
+  CUESTA_TRY(job.budget.charge(document.nodes.size(), 3 * sizeof(Affine), "nodes"));
+  std::vector<std::vector<Affine>> instances(document.meshes.size());
+  std::vector<Affine> world;
+  world.reserve(visits->size());
+  for (const Visit& visit : *visits) {
+    const Node& node = document.nodes[visit.node];
+    const Affine local = affine_of(node.local);
+    world.push_back(visit.parent == no_index ? local : world[visit.parent] * local);
+    if (node.mesh == none) continue;
+    const auto placements = placements_of(job, document, node.instancing, data);
+    if (!placements) return fail(placements.error());
+    for (const Trs& trs : *placements) instances[node.mesh].push_back(world.back() * affine_of(trs));
   }
   return instances;
 }

@@ -1,29 +1,34 @@
 #pragma once
 /// Where the nodes of a glTF document put their meshes.
 
-#include <array>
 #include <vector>
 
+#include "ooc/affine.h"
 #include "ooc/gltf_document.h"
-#include "ooc/vec.h"
 
 namespace cuesta::gltf {
 
-/// An affine map: point = columns · p + translation. Normals go by its inverse transpose.
-struct Transform {
-  std::array<Vec3d, 3> columns{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
-  Vec3d translation;
-  bool mirrored = false;  ///< turns the winding round
+class Data;
 
-  Vec3d point(Vec3d p) const { return columns[0] * p.x + columns[1] * p.y + columns[2] * p.z + translation; }
-  Vec3f normal(Vec3d n) const;
+/// Of EXT_mesh_gpu_instancing: where the node's mesh is shown, in the node's frame; once where it is,
+/// without.
+/// @error corrupt; of Data::numbers(); out_of_budget
+Result<std::vector<Trs>> placements_of(const ReadJob& job, const Document& document,
+                                       const Instancing& instancing, Data& data);
+
+/// A node in the order in which a scene has them: its parent is visited before it.
+struct Visit {
+  Id node = none;
+  std::uint32_t parent = no_index;  ///< place of its parent among the visits
 };
 
-/// `outer` after the node's local matrix.
-Transform compose(const Transform& outer, const std::array<double, 16>& local);
-
-/// For each mesh, the transforms of the nodes that show it, in depth-first order. Not recursive.
+/// All nodes that a root leads to, depth first, children in their order. Not recursive.
 /// @error corrupt for a node that is reached twice: a cycle, or two parents; out_of_budget.
-Result<std::vector<std::vector<Transform>>> instances_of(const ReadJob& job, const Document& document);
+Result<std::vector<Visit>> visits_of(const ReadJob& job, const Document& document);
+
+/// For each mesh, the transforms of the nodes that show it, in the order of visits.
+/// @error of visits_of() and placements_of()
+Result<std::vector<std::vector<Affine>>> instances_of(const ReadJob& job, const Document& document,
+                                                      Data& data);
 
 }  // namespace cuesta::gltf

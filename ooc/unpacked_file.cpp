@@ -31,7 +31,9 @@ Result<TempFile> unpack_to_temp(std::span<const char> bytes, Compression compres
 std::filesystem::path name_inside(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension == ".gz" || extension == ".zst" ? path.stem() : path;
+  const bool is_packed =
+      extension == ".gz" || extension == ".zst" || extension == ".xz" || extension == ".zip";
+  return is_packed ? path.stem() : path;
 }
 
 Result<MappedFile> unpack_file(const std::filesystem::path& path, std::span<const char> bytes,

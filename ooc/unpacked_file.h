@@ -13,7 +13,7 @@ namespace cuesta {
 /// Bytes of the input used up; returning false cancels.
 using UnpackProgress = std::function<bool(std::uint64_t bytes_in)>;
 
-/// "scan.ply" of "scan.ply.gz"; `path` itself if it does not end in .gz or .zst (any case).
+/// "scan.ply" of "scan.ply.gz"; `path` itself if it does not end in .gz, .zst, .xz or .zip (any case).
 std::filesystem::path name_inside(const std::filesystem::path& path);
 
 /// @param path  for messages. @param bytes the compressed file. @param folder as for temp_folder().

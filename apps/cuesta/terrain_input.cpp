@@ -30,8 +30,7 @@ std::string lower_extension(const std::filesystem::path& path) {
 /// world files, of it as it is and as it is unpacked.
 std::vector<std::filesystem::path> sidecars_of(const std::filesystem::path& path) {
   std::vector<std::filesystem::path> out;
-  auto unpacked = path.parent_path() / name_inside(path.filename());
-  if (lower_extension(unpacked) == ".zip") unpacked.replace_extension();
+  const auto unpacked = path.parent_path() / name_inside(path.filename());
   for (const auto& raster : {path, unpacked}) {
     const std::string extension = raster.extension().string();
     std::vector<std::string> names{".json", ".prj", ".wld", extension + "w"};
@@ -148,9 +147,7 @@ Result<MosaicOptions> options_of(const TerrainSettings& s, const Geoid* geoid,
 bool is_raster(const std::filesystem::path& path) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) return true;
-  std::filesystem::path name = name_inside(path.filename());
-  if (lower_extension(name) == ".zip") name = name.stem();
-  const std::string extension = lower_extension(name);
+  const std::string extension = lower_extension(name_inside(path.filename()));
   return std::find(raster_names.begin(), raster_names.end(), extension) != raster_names.end();
 }
 
