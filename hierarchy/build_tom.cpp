@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "hierarchy/attribute_quadric.h"
 #include "hierarchy/component_absorber.h"
 #include "hierarchy/greedy_substitution.h"
 #include "hierarchy/substitution_fairness.h"
 #include "hierarchy/substitution_oracle.h"
+#include "hierarchy/tom_codec.h"
 #include "hierarchy/tom_input.h"
 #include "ooc/check.h"
 
@@ -18,6 +20,10 @@ constexpr std::uint32_t triangles_per_loop = 12;
 /// Components of this many points go whole as soon as the error allows it; larger ones if nothing else is left.
 constexpr std::uint32_t small_component = 6;
 constexpr std::uint32_t stuck_component = 64;
+
+/// Near the end a substitution costs so much for each cube of its measured deviation, beside its fairness.
+constexpr float deviation_weight = 5;
+constexpr float one_per_cent = 0.01f;
 
 /// The substitutions of vertices in the order in which they were made, and the error after each.
 struct Removals {
@@ -35,7 +41,7 @@ class Recorder {
   Recorder(SubstitutionKernel& kernel, const std::vector<std::uint32_t>& first_vertex)
       : kernel_(kernel), first_vertex_(first_vertex) {}
 
-  void apply(PointId u, PointId v) {
+  std::span<const Child> apply(PointId u, PointId v) {
     note_error(kernel_.measure(u, v));
     const ErrorCode8 error = current_code_;
     children_.clear();
@@ -44,6 +50,12 @@ class Recorder {
     kernel_.apply(u, v, error, children_, balls_, changed_);
     for (const Child& c : children_) removals_.steps.emplace_back(c.vertex, c.target);
     if (children_.size() < first_vertex_[u + 1] - first_vertex_[u]) remove_unused_wedges(u, v);
+    return children_;
+  }
+
+  float surcharge(PointId u, PointId v) const {
+    const float deviation = kernel_.measure(u, v);
+    return deviation_weight * deviation * deviation * deviation;
   }
 
   /// A whole component goes: its points one after the other into the next, the last into v. What is left of it
@@ -154,6 +166,7 @@ class Simplification {
     for (const auto& candidate : absorber_.candidates(live_, most_points, reach)) {
       if (!absorber_.valid(candidate)) continue;
       recorder_.absorb(absorber_.members(candidate), candidate.target);
+      for (const PointId p : absorber_.members(candidate)) oracle_.applied(p, candidate.target);
       any = true;
     }
     if (any) greedy_.queue_all();
@@ -173,20 +186,33 @@ class Simplification {
 
 template <class Fairness>
 Removals simplify(SubstitutionKernel& kernel, const TomInput& input, const TomOptions& options, Fairness fairness) {
-  return Simplification(kernel, input.first_vertex, EdgeOracle(kernel), std::move(fairness),
-                        options.oracle == TomOracle::manifold)
-      .run();
+  const auto run = [&](auto oracle) {
+    return Simplification(kernel, input.first_vertex, std::move(oracle), std::move(fairness),
+                          options.oracle == TomOracle::manifold)
+        .run();
+  };
+  return options.oracle == TomOracle::pairs
+             ? run(PairOracle(kernel, static_cast<float>(options.pair_threshold / input.grid.step)))
+             : run(EdgeOracle(kernel));
 }
 
-Removals simplify(SubstitutionKernel& kernel, const TomInput& input, const TomOptions& options) {
-  switch (options.fairness) {
-    case TomFairness::memoryless:
-      return simplify(kernel, input, options, MemorylessFairness(kernel));
-    case TomFairness::attribute_quadric:
-    case TomFairness::quadric:
-      break;
+/// Grid steps that a change of an attribute by 1 counts as much as.
+float attribute_scale(const TomInput& input, float weight) {
+  Vec3i lo = input.cell.positions.front(), hi = lo;
+  for (const Vec3i& p : input.cell.positions) {
+    lo = min(lo, p);
+    hi = max(hi, p);
   }
-  return simplify(kernel, input, options, QuadricFairness(kernel));
+  return weight * one_per_cent * length(vec_cast<float>(hi - lo));
+}
+
+Removals simplify(SubstitutionKernel& kernel, const TomInput& input, const SurfaceMesh& mesh,
+                  const TomOptions& options) {
+  if (options.fairness == TomFairness::memoryless) return simplify(kernel, input, options, MemorylessFairness(kernel));
+  if (options.fairness == TomFairness::quadric) return simplify(kernel, input, options, QuadricFairness(kernel));
+  return simplify(kernel, input, options,
+                  AttributeQuadricFairness(kernel, mesh, input.source,
+                                           attribute_scale(input, options.attribute_weight)));
 }
 
 /// Removed last, first in the order; what was never removed before all. The wedges of a point stay together.
@@ -247,6 +273,7 @@ Tom ordered_mesh(const SurfaceMesh& mesh, const TomInput& input, const Removals&
     tom.positions.push_back(vec_cast<float>(vec_cast<double>(input.cell.positions[v]) * tom.step));
   for (const Vec3f& p : tom.positions) tom.bounds.add(p);
   take_attributes(tom, mesh, input, order);
+  snap_attributes(tom);
   tom.substitute.resize(order.size());
   for (std::uint32_t i = 0; i < tom.base_vertices; ++i) tom.substitute[i] = i;
   for (const auto& [vertex, target] : removals.steps) tom.substitute[place[vertex]] = place[target];
@@ -268,7 +295,7 @@ Result<Tom> build_tom(const SurfaceMesh& mesh, const TomOptions& options, TomRep
   if (input->cell.positions.empty()) return Tom{};
   const std::vector<Triangle> triangles = input->cell.triangles;
   SubstitutionKernel kernel(input->cell);
-  return ordered_mesh(mesh, *input, simplify(kernel, *input, options), triangles);
+  return ordered_mesh(mesh, *input, simplify(kernel, *input, mesh, options), triangles);
 }
 
 }  // namespace cuesta

@@ -26,7 +26,7 @@ enum class TomFairness : std::uint8_t {
 
 struct TomOptions {
   TomOracle oracle = TomOracle::any_edge;
-  TomFairness fairness = TomFairness::quadric;
+  TomFairness fairness = TomFairness::memoryless;
   double pair_threshold = 0;    ///< world units ≥ 0; for TomOracle::pairs
   double step = 0;              ///< positions become multiples of it, world units; 0 chooses (choose_grid.h)
   float attribute_weight = 1;   ///< of attribute_quadric: what a change of 1 counts against 1 % of the diagonal

@@ -35,7 +35,7 @@ struct CellMesh {
   std::vector<std::uint32_t> wedge_group;  ///< first vertex of the vertex's group
   std::vector<std::uint8_t> locked;        ///< 1: its star is not wholly inside the cell
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<Birth> births;
+  std::vector<Birth> births;  ///< one per triangle; none where nobody asks for balls and earlier errors
   TriangleSamples samples;
   std::optional<Vertical> vertical =
       {};  ///< grid units, of a field of heights: what deviations are measured along

@@ -22,9 +22,9 @@ namespace cuesta {
 ///           bool legal(PointId u, PointId v)            exactly, now; the kernel can measure and apply it then
 ///           void applied(PointId u, PointId v)
 /// Fairness: void costs(PointId u, span<const PointId> targets, span<float> out)   ≥ 0, the lower the better
-///           void applied(PointId u, PointId v)          after the kernel has applied it
-///           constexpr bool never_falls                  a cost only grows while others are substituted
-/// Apply:    void apply(PointId u, PointId v)            measures and applies in the kernel, and records
+///           void applied(PointId u, PointId v, span<const Child>)   after the kernel has applied it to its wedges
+/// Apply:    span<const Child> apply(PointId u, PointId v)   measures and applies in the kernel, and records
+///           float surcharge(PointId u, PointId v)       of a legal one, ≥ 0: for its measured deviation
 template <class Oracle, class Fairness, class Apply>
 class GreedySubstitution {
  public:
@@ -34,7 +34,8 @@ class GreedySubstitution {
         fairness_(fairness),
         apply_(apply),
         key_(kernel.point_count(), parked),
-        best_(kernel.point_count(), none) {
+        best_(kernel.point_count(), none),
+        extra_(kernel.point_count(), 0.0f) {
     heap_.reserve(kernel.point_count() + kernel.point_count() / 2);
   }
 
@@ -68,6 +69,10 @@ class GreedySubstitution {
   }
 
  private:
+  /// Near the end each choice shows: below this many triangles keys are brought up to date at once.
+  static constexpr std::uint32_t eager_triangles = 8192;
+  /// Below this many, what is measured counts, too.
+  static constexpr std::uint32_t coarse_triangles = 2048;
   static constexpr float parked = std::numeric_limits<float>::infinity();
 
   /// Costs are not negative: their bits are in order.
@@ -105,46 +110,78 @@ class GreedySubstitution {
     if (!choices_.empty()) std::swap(*std::min_element(choices_.begin(), choices_.end()), choices_.back());
   }
 
+  bool is_coarse() const { return kernel_.live_triangles() < coarse_triangles; }
+
   /// The best legal target of u, or none: then u is queued again with its right key, or parked.
   PointId choose(PointId u) {
     const PointId tried = best_[u];
+    if (is_coarse()) return choose_measured(u);
     if (tried != none && oracle_.legal(u, tried)) return tried;
     for (evaluate(u); !choices_.empty(); cheapest_last()) {
+      const std::uint64_t choice = choices_.back();
+      choices_.pop_back();
+      const auto v = static_cast<PointId>(choice);
+      if (v == tried) continue;
+      if (must_wait(u, cost_of(choice))) return wait(u, v, cost_of(choice));
+      if (oracle_.legal(u, v)) return v;
+    }
+    return park(u);
+  }
+
+  /// The same where costs have a surcharge for what is measured.
+  PointId choose_measured(PointId u) {
+    std::uint64_t best = packed(parked, none);
+    PointId looked_at = none;
+    for (evaluate(u); !choices_.empty() && choices_.back() < best; cheapest_last()) {
       const float cost = cost_of(choices_.back());
       const auto v = static_cast<PointId>(choices_.back());
       choices_.pop_back();
-      if (v == tried) continue;
-      if (cost > key_[u] && !heap_.empty() && packed(cost, u) > heap_.front()) {
-        best_[u] = v;
-        push(u, cost);
-        return none;
-      }
-      if (oracle_.legal(u, v)) return v;
+      if (must_wait(u, cost)) return wait(u, v, cost);
+      looked_at = v;
+      if (!oracle_.legal(u, v)) continue;
+      const std::uint64_t choice = packed(cost + apply_.surcharge(u, v), v);
+      if (choice < best) extra_[u] = cost_of(choice) - cost;
+      best = std::min(best, choice);
     }
+    const auto v = static_cast<PointId>(best);
+    if (v == none) return park(u);
+    if (must_wait(u, cost_of(best))) return wait(u, v, cost_of(best));
+    if (v != looked_at) oracle_.legal(u, v);  // it is what the kernel applies
+    return v;
+  }
+
+  bool must_wait(PointId u, float cost) const {
+    return cost > key_[u] && !heap_.empty() && packed(cost, u) > heap_.front();
+  }
+  PointId wait(PointId u, PointId v, float cost) {
+    best_[u] = v;
+    push(u, cost);
+    return none;
+  }
+  PointId park(PointId u) {
     key_[u] = parked;
     return none;
   }
 
   void substitute(PointId u, PointId v) {
-    apply_.apply(u, v);
-    fairness_.applied(u, v);
+    fairness_.applied(u, v, apply_.apply(u, v));
     oracle_.applied(u, v);
     ring_.assign(1, v);
     const auto around = oracle_.candidates(v);
     ring_.insert(ring_.end(), around.begin(), around.end());
-    for (PointId q : ring_) refresh(q, v);
+    for (PointId q : ring_) refresh(q);
   }
 
   /// Something around q has changed. Its key stays if it can only have grown.
-  void refresh(PointId q, PointId v) {
+  void refresh(PointId q) {
     best_[q] = none;
     if (key_[q] == parked) {
       evaluate(q);
       if (!choices_.empty()) push(q, cost_of(choices_.back()));
-    } else if (!Fairness::never_falls && q != v) {
-      float cost = 0;
-      fairness_.costs(q, {&v, 1}, {&cost, 1});
-      if (cost < key_[q]) push(q, cost);
+    } else if (kernel_.live_triangles() < eager_triangles) {
+      evaluate(q);
+      if (!choices_.empty() && cost_of(choices_.back()) + extra_[q] < key_[q])
+        push(q, cost_of(choices_.back()) + extra_[q]);
     }
   }
 
@@ -154,6 +191,7 @@ class GreedySubstitution {
   Apply& apply_;
   std::vector<float> key_;     // per point, of its entry in the heap; parked if it has none
   std::vector<PointId> best_;  // per point, its cheapest candidate, or none if that has to be found
+  std::vector<float> extra_;   // per point, the surcharge that it had last
   std::vector<std::uint64_t> heap_;
   std::vector<PointId> targets_;
   std::vector<float> costs_;

@@ -1,14 +1,12 @@
 #include "hierarchy/page_codec.h"
 
-#include <zstd.h>
-
 #include <algorithm>
 #include <cstring>
 #include <limits>
-#include <memory>
 #include <string>
 #include <utility>
 
+#include "hierarchy/packed_planes.h"
 #include "hierarchy/triangle_codec.h"
 #include "hierarchy/vertex_codec.h"
 #include "ooc/byte_stream.h"
@@ -26,11 +24,7 @@ namespace {
 constexpr std::uint8_t codec_version = 2;  // 1 was never released
 constexpr std::uint8_t flag_base = 1, flag_normals = 2, flag_colours = 4, flag_texcoords = 8,
                        flag_wedges = 16;
-// Planes are noise to a matcher: short matches cost more than they save. Against level 6, 0.12 bytes per
-// triangle and half of the time of packing; level 12 saves 0.04 more in seven times the time.
-constexpr int zstd_level = 1, zstd_least_match = 7;
 
-using Bytes = std::vector<std::byte>;
 using Planes = std::vector<Plane>;
 using Streams = std::array<Planes, page_stream_count>;
 
@@ -357,49 +351,12 @@ std::uint64_t raw_bound(PageStream s, const Counts& n) {
   return 0;
 }
 
-/// zstd's working memory, kept for all planes of a page.
-using Compressor = std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)>;
-using Decompressor = std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)>;
-
-Compressor compressor() {
-  Compressor zstd(ZSTD_createCCtx(), &ZSTD_freeCCtx);
-  ZSTD_CCtx_setParameter(zstd.get(), ZSTD_c_compressionLevel, zstd_level);
-  ZSTD_CCtx_setParameter(zstd.get(), ZSTD_c_minMatch, zstd_least_match);
-  return zstd;
-}
-
-struct StoredPlane {
-  std::uint64_t raw = 0;
-  std::span<const std::byte> bytes;
-};
-
-Result<StoredPlane> stored_plane(ByteReader& r) {
-  const std::uint64_t raw = r.get_varint();
-  const std::uint64_t stored = r.get_varint();
-  if (!r.ok() || stored > r.remaining()) return corrupt("the page ends within a stream");
-  return StoredPlane{raw, r.get_bytes(stored)};
-}
-
-Result<Plane> read_plane(ByteReader& r, std::uint64_t bound, ZSTD_DCtx* zstd) {
-  const auto in = stored_plane(r);
-  if (!in) return fail(in.error());
-  // zstd cannot expand by more than this; a larger claim is a lie that must not be allocated.
-  if (in->raw > bound || in->raw / 65536 > in->bytes.size())
-    return corrupt("larger than the page's counts or bytes allow");
-  if (in->raw == in->bytes.size()) return Plane(in->bytes.begin(), in->bytes.end());
-  Plane out(in->raw);
-  const std::size_t got =
-      ZSTD_decompressDCtx(zstd, out.data(), out.size(), in->bytes.data(), in->bytes.size());
-  if (ZSTD_isError(got) || got != in->raw) return corrupt("zstd data are damaged");
-  return out;
-}
-
 Result<Streams> read_streams(ByteReader& r, const Counts& n) {
-  const Decompressor zstd(ZSTD_createDCtx(), &ZSTD_freeDCtx);
+  PlaneDecompressor planes;
   Streams streams;
   for (std::size_t s = 0; s < page_stream_count; ++s)
     for (std::size_t p = 0; p < planes_of_stream[s]; ++p) {
-      auto plane = read_plane(r, raw_bound(static_cast<PageStream>(s), n), zstd.get());
+      auto plane = planes.read(r, raw_bound(static_cast<PageStream>(s), n));
       if (!plane) {
         plane.error().place = "stream " + std::string(name(static_cast<PageStream>(s)));
         return fail(plane.error());
@@ -408,16 +365,6 @@ Result<Streams> read_streams(ByteReader& r, const Counts& n) {
     }
   if (!r.at_end()) return corrupt("bytes after the last stream");
   return streams;
-}
-
-void write_plane(ByteWriter& w, const Plane& raw, ZSTD_CCtx* zstd) {
-  Bytes packed(ZSTD_compressBound(raw.size()));
-  const std::size_t size = ZSTD_compress2(zstd, packed.data(), packed.size(), raw.data(), raw.size());
-  CUESTA_CHECK(!ZSTD_isError(size), ZSTD_getErrorName(size));
-  w.put_varint(raw.size());
-  const bool smaller = size < raw.size();
-  w.put_varint(smaller ? size : raw.size());
-  w.put_bytes(smaller ? std::span<const std::byte>(packed.data(), size) : std::span<const std::byte>(raw));
 }
 
 }  // namespace
@@ -439,11 +386,11 @@ std::vector<std::byte> encode_page(const Page& page, PageStreamBytes* spent) {
   for (auto field : {n.round, n.vertices, n.triangles, n.owned, n.fans, n.strict_fans, n.children, n.sources})
     out.put(field);
   const auto streams = pack_streams(page);
-  const Compressor zstd = compressor();
+  PlaneCompressor compressor;
   for (std::size_t s = 0; s < page_stream_count; ++s) {
     CUESTA_CHECK(streams[s].size() == planes_of_stream[s], s, streams[s].size());
     const std::size_t before = out.size();
-    for (const Plane& plane : streams[s]) write_plane(out, plane, zstd.get());
+    for (const Plane& plane : streams[s]) compressor.write(out, plane);
     if (spent) (*spent)[s] += out.size() - before;
   }
   return out.take();

@@ -407,6 +407,20 @@ bool SubstitutionKernel::legal(PointId u, PointId v) {
          (vertical_ ? stays_upright(u, v) : keeps_orientation(u, v)) && (wedges_.empty() || map_wedges(u, v));
 }
 
+bool SubstitutionKernel::legal_pair(PointId u, PointId v) {
+  if (!can_move(u) || removed(v) || star(u).empty() || star(v).empty()) return false;
+  closed_hole_ = 0;
+  guarded_.clear();
+  if (doubles_triangle(u, v) || !keeps_orientation(u, v)) return false;
+  if (wedges_.empty()) return true;
+  wedge_map_.clear();
+  const std::uint32_t to = vertex_at(star(v)[0], v);
+  for (TriangleId t : star(u)) wedge_map_.emplace_back(vertex_at(t, u), to);
+  std::sort(wedge_map_.begin(), wedge_map_.end());
+  wedge_map_.erase(std::unique(wedge_map_.begin(), wedge_map_.end()), wedge_map_.end());
+  return true;
+}
+
 /// Samples of the patch and the points that leave, into the batch.
 void SubstitutionKernel::collect_samples() {
   batch_.clear();
@@ -478,6 +492,7 @@ float SubstitutionKernel::birth_error() const {
 
 /// Points of the patch and its targets, and the balls they were born with; each once in a fan.
 void SubstitutionKernel::cover_patch(std::vector<Sphere>& balls) {
+  if (births_.empty()) return;
   if (balls.empty()) {
     born_balls_.clear();
     if (++current_fan_ == 0) {

@@ -68,6 +68,17 @@ class SubstitutionKernel {
 
   /// Link condition, borders, seams, locked neighbours, inversion: is u → v legal now?
   bool legal(PointId u, PointId v);
+  /// The same for points that share no triangle and may be of different components: all triangles around u go
+  /// over to v, and only seams, orientation and doubled triangles are looked at. @pre topology is loose
+  bool legal_pair(PointId u, PointId v);
+  /// Whether a triangle has both as corners.
+  bool adjacent(PointId u, PointId v) const { return edge_triangles(u, v) > 0; }
+  /// The vertex that triangle t has at its corner at p.
+  std::uint32_t vertex_at(TriangleId t, PointId p) const {
+    if (wedges_.empty()) return first_vertex_[p];
+    const auto& c = corners_[t];
+    return wedges_[t][c[0] == p ? 0 : c[1] == p ? 1 : 2];
+  }
   /// Measures u → v, which must be legal: the largest distance of the samples it moves, grid units, rounded
   /// up.
   float measure(PointId u, PointId v);

@@ -47,7 +47,7 @@ bool triangles_rise(const Tom& tom) {
 }
 
 bool errors_rise(const Tom& tom) {
-  TomErrorStep last{tom.full(), 0};
+  TomErrorStep last{tom.full() + 1, 0};
   for (const TomErrorStep& s : tom.errors) {
     if (s.below > last.below || !(s.error > last.error) || !std::isfinite(s.error)) return false;
     if (s.below <= tom.base_vertices) return false;
@@ -91,7 +91,8 @@ Resolution resolution_of_error(const Tom& tom, float error) {
                                          [error](const TomErrorStep& s) { return s.error <= error; });
   if (step == tom.errors.end()) return tom.base_vertices;
   Resolution n = step->below;
-  while (n < tom.full() && whole_resolution(tom, n) != n) ++n;
+  if (n > tom.full()) return tom.full();
+  while (whole_resolution(tom, n) != n) ++n;
   return n;
 }
 

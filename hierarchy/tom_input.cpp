@@ -130,7 +130,6 @@ class Preparation {
         cell.triangles.push_back(n);
     }
     sort_by_lowest_vertex(cell.triangles, cell.positions.size());
-    cell.births.resize(cell.triangles.size());
   }
 
   const SurfaceMesh& mesh_;
