@@ -106,24 +106,20 @@ template <class Oracle, class Fairness>
 class Simplification {
  public:
   Simplification(SubstitutionKernel& kernel, const std::vector<std::uint32_t>& first_vertex, Oracle oracle,
-                 Fairness fairness, bool keep_topology)
+                 Fairness fairness, TomOracle which)
       : kernel_(kernel),
         oracle_(std::move(oracle)),
         fairness_(std::move(fairness)),
         recorder_(kernel, first_vertex),
         greedy_(kernel, oracle_, fairness_, recorder_),
         absorber_(kernel),
-        keep_topology_(keep_topology) {}
+        lets_topology_go_(which == TomOracle::any_edge) {}
 
   Removals run() {
     greedy_.queue_all();
     for (;;) {
       while (advance()) absorb_now_and_then();
-      if (keep_topology_) {
-        if (!retry()) break;
-      } else if (!absorb(stuck_component, never) && !retry() && !loosen()) {
-        break;
-      }
+      if (!(lets_topology_go_ && absorb(stuck_component, never)) && !retry() && !(lets_topology_go_ && loosen())) break;
     }
     return recorder_.take();
   }
@@ -132,7 +128,7 @@ class Simplification {
   static constexpr float never = std::numeric_limits<float>::infinity();
 
   bool advance() {
-    if (!keep_topology_ && !loose_ && kernel_.live_triangles() < std::uint64_t{triangles_per_loop} * kernel_.loops())
+    if (lets_topology_go_ && !loose_ && kernel_.live_triangles() < std::uint64_t{triangles_per_loop} * kernel_.loops())
       loosen();
     return greedy_.step();
   }
@@ -152,7 +148,7 @@ class Simplification {
 
   /// Each time a tenth of the triangles has gone.
   void absorb_now_and_then() {
-    if (keep_topology_ || !absorber_.has_work() || kernel_.live_triangles() > absorb_below_) return;
+    if (!lets_topology_go_ || !absorber_.has_work() || kernel_.live_triangles() > absorb_below_) return;
     absorb(small_component, recorder_.error());
     absorb_below_ = kernel_.live_triangles() / 10 * 9;
   }
@@ -166,7 +162,6 @@ class Simplification {
     for (const auto& candidate : absorber_.candidates(live_, most_points, reach)) {
       if (!absorber_.valid(candidate)) continue;
       recorder_.absorb(absorber_.members(candidate), candidate.target);
-      for (const PointId p : absorber_.members(candidate)) oracle_.applied(p, candidate.target);
       any = true;
     }
     if (any) greedy_.queue_all();
@@ -179,7 +174,7 @@ class Simplification {
   Recorder recorder_;
   GreedySubstitution<Oracle, Fairness, Recorder> greedy_;
   ComponentAbsorber absorber_;
-  bool keep_topology_, loose_ = false;
+  bool lets_topology_go_, loose_ = false;
   std::uint32_t absorb_below_ = ~std::uint32_t{0};
   std::vector<PointId> live_;
 };
@@ -188,7 +183,7 @@ template <class Fairness>
 Removals simplify(SubstitutionKernel& kernel, const TomInput& input, const TomOptions& options, Fairness fairness) {
   const auto run = [&](auto oracle) {
     return Simplification(kernel, input.first_vertex, std::move(oracle), std::move(fairness),
-                          options.oracle == TomOracle::manifold)
+                          options.oracle)
         .run();
   };
   return options.oracle == TomOracle::pairs

@@ -25,7 +25,9 @@ bool fits(const std::vector<T>& attribute, std::size_t vertices) {
   return attribute.empty() || attribute.size() == vertices;
 }
 
-Vec3f mixed(Vec3f a, Vec3f b, float amount) { return a + (b - a) * amount; }
+/// Exact at both ends.
+float mixed(float a, float b, float amount) { return a * (1 - amount) + b * amount; }
+Vec3f mixed(Vec3f a, Vec3f b, float amount) { return a * (1 - amount) + b * amount; }
 
 bool substitutes_precede(const Tom& tom) {
   for (std::uint32_t v = 0; v < tom.substitute.size(); ++v)
@@ -117,12 +119,12 @@ TomVertex geomorph(const Tom& tom, std::uint32_t v, float amount) {
   if (!tom.normals.empty()) out.normal = normalized(mixed(tom.normals[v], tom.normals[s], amount));
   if (!tom.colours.empty())
     for (std::size_t i = 0; i < 4; ++i) {
-      const float from = tom.colours[v][i], to = tom.colours[s][i];
-      out.colour[i] = static_cast<std::uint8_t>(std::lround(from + (to - from) * amount));
+      out.colour[i] =
+          static_cast<std::uint8_t>(std::lround(mixed(tom.colours[v][i], tom.colours[s][i], amount)));
     }
   if (!tom.texcoords.empty())
     for (std::size_t i = 0; i < 2; ++i)
-      out.texcoord[i] = tom.texcoords[v][i] + (tom.texcoords[s][i] - tom.texcoords[v][i]) * amount;
+      out.texcoord[i] = mixed(tom.texcoords[v][i], tom.texcoords[s][i], amount);
   return out;
 }
 
