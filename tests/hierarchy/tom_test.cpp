@@ -122,8 +122,8 @@ TEST(Tom, cursor_extracts_the_same_however_it_moves) {
   Resolution n = tom.full();
   for (int i = 0; i < 600; ++i) {
     // Small steps, and now and then a jump.
-    n = i % 50 == 0 ? tom.base_vertices + random() % (tom.full() - tom.base_vertices + 1)
-                    : std::clamp(n + random() % 9 - 4, tom.base_vertices, tom.full());
+    n = i % 50 == 0 ? static_cast<Resolution>(tom.base_vertices + random() % (tom.full() - tom.base_vertices + 1))
+                    : std::clamp(static_cast<Resolution>(n + random() % 9 - 4), tom.base_vertices, tom.full());
     const auto expected = extracted(tom, n);
     ASSERT_EQ(cursor.extract(n, found), expected.size());
     ASSERT_TRUE(std::equal(expected.begin(), expected.end(), found.begin())) << n;
