@@ -1,5 +1,5 @@
-/// A progressive mesh and multiresolution triangle strips draw exactly the substituted mesh: a baseline that cheats or
-/// breaks is worth nothing.
+/// A progressive mesh and multiresolution triangle strips draw exactly the substituted mesh: a baseline that
+/// cheats or breaks is worth nothing.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,9 @@ namespace {
 using baselines::Mts;
 using baselines::ProgressiveMesh;
 
-std::vector<Triangle> drawn(const ProgressiveMesh& mesh) { return sorted(mesh.triangles()); }
+std::vector<Triangle> drawn(const ProgressiveMesh& mesh) {
+  return sorted(mesh.triangles());
+}
 std::vector<Triangle> drawn(const Mts& mesh) {
   std::vector<std::uint32_t> indices(mesh.index_bound());
   return drawn_by(std::span(indices).first(mesh.write_indices(indices)));
@@ -30,7 +32,8 @@ void expect_brute_force(Mesh& mesh, const TotallyOrdered& ordered, std::uint32_t
   for (std::uint32_t r = ordered.full(); r >= base; --r) expect_at(r);
   for (std::uint32_t r = base; r <= ordered.full(); ++r) expect_at(r);
   std::mt19937 random(7);
-  for (int i = 0; i < 50; ++i) expect_at(base + static_cast<std::uint32_t>(random()) % (ordered.full() - base + 1));
+  for (int i = 0; i < 50; ++i)
+    expect_at(base + static_cast<std::uint32_t>(random()) % (ordered.full() - base + 1));
 }
 
 /// bumpy_sphere without the triangles of one octant: a border.
@@ -74,7 +77,7 @@ TEST(ProgressiveMesh, bytes_are_24_a_triangle_and_8_a_split) {
 TEST(Mts, triangles_are_those_of_the_substituted_mesh) {
   for (const SurfaceMesh& surface : {bumpy_sphere(6), bumpy_torus(14, 9), open_surface()}) {
     const TotallyOrdered ordered = collapse_order(surface, 3);
-    Mts mesh(ordered.triangles, ordered.substitute, ordered.base);
+    Mts mesh(ordered.triangles, ordered.substitute, ordered.base, 16);
     expect_brute_force(mesh, ordered, ordered.base);
   }
 }
@@ -85,18 +88,18 @@ TEST(Mts, any_substitutes_will_do) {
     SCOPED_TRACE(seed);
     const TotallyOrdered ordered =
         random_order(surface.triangles, static_cast<std::uint32_t>(surface.positions.size()), 1, seed);
-    Mts mesh(ordered.triangles, ordered.substitute, 1);
+    Mts mesh(ordered.triangles, ordered.substitute, 1, 64);
     expect_brute_force(mesh, ordered, 1);
   }
 }
 
 TEST(Mts, only_strips_that_change_are_walked) {
-  const TotallyOrdered ordered = collapse_order(bumpy_sphere(12), 3);
-  Mts mesh(ordered.triangles, ordered.substitute, ordered.base);
+  const TotallyOrdered ordered = collapse_order(bumpy_sphere(20), 3);
+  Mts mesh(ordered.triangles, ordered.substitute, ordered.base, 16);
   EXPECT_EQ(mesh.set_resolution(ordered.full()), 0u);
   const std::uint64_t one_step = mesh.set_resolution(ordered.full() - 1);
   EXPECT_GT(one_step, 0u);
-  EXPECT_LT(one_step, mesh.index_bound() / 2);
+  EXPECT_LT(one_step, mesh.index_bound() / 8);
   EXPECT_EQ(mesh.set_resolution(ordered.full() - 1), 0u);
 }
 

@@ -12,13 +12,19 @@ namespace cuesta::baselines {
 /// Simplifies strips, each a list of nodes, and notes what becomes of each node.
 class MtsBuilder {
  public:
-  MtsBuilder(std::span<const Triangle> triangles, std::span<const std::uint32_t> substitute, Mts& mts)
+  MtsBuilder(std::span<const Triangle> triangles, std::span<const std::uint32_t> substitute,
+             std::uint32_t longest, Mts& mts)
       : substitute_(substitute), strips_of_(substitute.size()), mts_(mts) {
     std::vector<Triangle> proper(triangles.begin(), triangles.end());
     std::erase_if(proper, [](const Triangle& t) { return is_degenerate(t.data()); });
     const auto n = static_cast<std::uint32_t>(substitute.size());
     const StripSet set = stripify(proper, n);
-    for (std::uint32_t s = 0; s < set.strip_count(); ++s) add_strip(set.strip(s), n);
+    for (std::uint32_t s = 0; s < set.strip_count(); ++s) {
+      auto strip = set.strip(s);
+      // The last two entries of a part are the first of the next.
+      for (; strip.size() > longest; strip = strip.subspan(longest - 2)) add_strip(strip.first(longest), n);
+      add_strip(strip, n);
+    }
   }
 
   void substitute(std::uint32_t v) {
@@ -56,7 +62,8 @@ class MtsBuilder {
   };
 
   void add_strip(std::span<const std::uint32_t> strip, std::uint32_t resolution) {
-    const auto s = static_cast<std::uint32_t>(paths_.size()), head = static_cast<std::uint32_t>(versions_.size());
+    const auto s = static_cast<std::uint32_t>(paths_.size()),
+               head = static_cast<std::uint32_t>(versions_.size());
     Path path;
     for (const std::uint32_t v : strip) {
       path.vertices.push_back(v);
@@ -74,7 +81,8 @@ class MtsBuilder {
   static void reduce(Path& path) {
     path.erase(0, spare_head(path.vertices));
     if (path.vertices.empty()) return;
-    if (const std::uint32_t spare = spare_tail(path.vertices)) path.erase(path.vertices.size() - spare, spare);
+    if (const std::uint32_t spare = spare_tail(path.vertices))
+      path.erase(path.vertices.size() - spare, spare);
     for (std::size_t i = 0; i + 4 <= path.vertices.size();)
       if (repeats(&path.vertices[i])) {
         path.erase(i + 2, 2);
@@ -105,8 +113,10 @@ class MtsBuilder {
   Mts& mts_;
 };
 
-Mts::Mts(std::span<const Triangle> triangles, std::span<const std::uint32_t> substitute, std::uint32_t base_resolution) {
-  MtsBuilder builder(triangles, substitute, *this);
+Mts::Mts(std::span<const Triangle> triangles, std::span<const std::uint32_t> substitute,
+         std::uint32_t base_resolution, std::uint32_t longest) {
+  CUESTA_CHECK(longest >= 4 && longest % 2 == 0, longest);
+  MtsBuilder builder(triangles, substitute, longest, *this);
   for (auto v = static_cast<std::uint32_t>(substitute.size()); v-- > base_resolution;) builder.substitute(v);
   builder.finish();
   set_resolution(static_cast<std::uint32_t>(substitute.size()));

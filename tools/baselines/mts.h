@@ -1,10 +1,11 @@
 #pragma once
-/// Multiresolution triangle strips (MTS): each strip is a graph whose paths are the strip at every resolution; strips that
-/// a change of resolution touches are walked again, the others are drawn as they were.
-/// Source: Belmonte, Remolar, Ribelles, Chover, Fernández, "Efficiently using connectivity information between triangles
-/// in a mesh for real-time rendering", FGCS 20 (2004). Nodes are the entries of the strip at full resolution, so a
-/// vertex that comes twice is two nodes; an arc tells its vertex and where the path goes on, and from which resolution
-/// on it is valid. A path has no entry that can go without (hierarchy/strip_reduction.h).
+/// Multiresolution triangle strips (MTS): each strip is a graph whose paths are the strip at every
+/// resolution; strips that a change of resolution touches are walked again, the others are drawn as they
+/// were. Source: Belmonte, Remolar, Ribelles, Chover, Fernández, "Efficiently using connectivity information
+/// between triangles in a mesh for real-time rendering", FGCS 20 (2004). Nodes are the entries of the strip
+/// at full resolution, so a vertex that comes twice is two nodes; an arc tells its vertex and where the path
+/// goes on, and from which resolution on it is valid. A path has no entry that can go without
+/// (hierarchy/strip_reduction.h).
 
 #include <cstdint>
 #include <span>
@@ -17,7 +18,11 @@ namespace cuesta::baselines {
 class Mts {
  public:
   /// A totally ordered mesh as build_strips() takes it; the strips are stripify()'s.
-  Mts(std::span<const Triangle> triangles, std::span<const std::uint32_t> substitute, std::uint32_t base_resolution);
+  /// @param longest  even, entries of a strip; longer ones are cut. Walks are of whole strips, so short
+  /// strips are
+  ///                 quicker to change and longer to draw.
+  Mts(std::span<const Triangle> triangles, std::span<const std::uint32_t> substitute,
+      std::uint32_t base_resolution, std::uint32_t longest);
 
   std::uint32_t resolution() const { return resolution_; }
 

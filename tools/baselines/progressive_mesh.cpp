@@ -10,8 +10,12 @@
 namespace cuesta::baselines {
 namespace {
 
-constexpr std::uint32_t next(std::uint32_t corner) { return corner == 2 ? 0 : corner + 1; }
-constexpr std::uint32_t previous(std::uint32_t corner) { return corner == 0 ? 2 : corner - 1; }
+constexpr std::uint32_t next(std::uint32_t corner) {
+  return corner == 2 ? 0 : corner + 1;
+}
+constexpr std::uint32_t previous(std::uint32_t corner) {
+  return corner == 0 ? 2 : corner - 1;
+}
 
 /// Of the corners that is v; 3 if none is.
 std::uint32_t corner_of(const Triangle& t, std::uint32_t v) {
@@ -29,7 +33,8 @@ Birth birth_of(const Triangle& full, std::span<const std::uint32_t> substitute, 
     if (t[at] < base) return {base, full};
     const std::uint32_t u = t[at], v = substitute[u];
     const std::uint32_t first = t[previous(at)] == v ? previous(at) : at;
-    if (t[first] == v || t[next(at)] == v) return {u + 1, {full[first], full[next(first)], full[previous(first)]}};
+    if (t[first] == v || t[next(at)] == v)
+      return {u + 1, {full[first], full[next(first)], full[previous(first)]}};
     t[at] = v;
   }
 }
@@ -52,14 +57,15 @@ std::vector<Triangle> neighbours_of(std::span<const Triangle> triangles, std::ui
   std::uint64_t edges_cut = 0;
   const auto twins = edge_twins(triangles, group, std::vector<std::uint8_t>(vertex_count), edges_cut);
   std::vector<Triangle> neighbours(triangles.size());
-  for (std::size_t h = 0; h < twins.size(); ++h) neighbours[h / 3][h % 3] = twins[h] == kNone ? kNone : twins[h] / 3;
+  for (std::size_t h = 0; h < twins.size(); ++h)
+    neighbours[h / 3][h % 3] = twins[h] == kNone ? kNone : twins[h] / 3;
   return neighbours;
 }
 
 }  // namespace
 
-ProgressiveMesh::ProgressiveMesh(std::span<const Triangle> triangles, std::span<const std::uint32_t> substitute,
-                                 std::uint32_t base_resolution)
+ProgressiveMesh::ProgressiveMesh(std::span<const Triangle> triangles,
+                                 std::span<const std::uint32_t> substitute, std::uint32_t base_resolution)
     : corners_(by_birth(triangles, substitute, base_resolution)),
       neighbours_(neighbours_of(corners_, static_cast<std::uint32_t>(substitute.size()))),
       splits_(substitute.size() - base_resolution),
@@ -121,15 +127,20 @@ bool ProgressiveMesh::record(std::uint32_t u, std::uint32_t v, const Stars& star
 }
 
 /// The face of the fan beside the left face, or else where the fan ends counter-clockwise.
-ProgressiveMesh::Place ProgressiveMesh::begin_of_fan(std::uint32_t u, Sides beside, std::uint32_t faces) const {
-  const auto place = [&](std::uint32_t face) { return Place{face, face == kNone ? 3 : corner_of(corners_[face], u)}; };
+ProgressiveMesh::Place ProgressiveMesh::begin_of_fan(std::uint32_t u, Sides beside,
+                                                     std::uint32_t faces) const {
+  const auto place = [&](std::uint32_t face) {
+    return Place{face, face == kNone ? 3 : corner_of(corners_[face], u)};
+  };
   if (beside.left != kNone) return place(neighbours_[beside.left][1]);
   Place p = place(neighbours_[beside.right][2]);
-  for (std::uint32_t i = 1; i < faces && p.corner != 3; ++i) p = place(neighbours_[p.face][previous(p.corner)]);
+  for (std::uint32_t i = 1; i < faces && p.corner != 3; ++i)
+    p = place(neighbours_[p.face][previous(p.corner)]);
   return p;
 }
 
-/// Whether so many faces lie clockwise around u from the first, then the right one or a border, and no other is there.
+/// Whether so many faces lie clockwise around u from the first, then the right one or a border, and no other
+/// is there.
 bool ProgressiveMesh::is_fan(Place p, std::uint32_t u, std::uint32_t faces, Sides beside) const {
   if (p.corner == 3 || neighbours_[p.face][previous(p.corner)] != beside.left) return false;
   for (std::uint32_t i = 1; i < faces; ++i) {
@@ -234,7 +245,8 @@ std::size_t ProgressiveMesh::write_indices(std::span<std::uint32_t> out) const {
 }
 
 std::uint64_t ProgressiveMesh::bytes() const {
-  return corners_.size() * sizeof(Triangle) + neighbours_.size() * sizeof(Triangle) + splits_.size() * sizeof(Split);
+  return corners_.size() * sizeof(Triangle) + neighbours_.size() * sizeof(Triangle) +
+         splits_.size() * sizeof(Split);
 }
 
 }  // namespace cuesta::baselines

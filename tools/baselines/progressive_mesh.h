@@ -1,9 +1,10 @@
 #pragma once
-/// A progressive mesh (PM) with half-edge collapses: triangles in the order in which splits make them, so that those of a
-/// resolution are a prefix, and splits of 8 bytes that find their place by walking around a vertex.
-/// Source: Hoppe, "Progressive Meshes", SIGGRAPH 1996; layout: Hoppe, "Efficient Implementation of Progressive Meshes",
-/// Computers & Graphics 22(1), 1998, §3: a split names the face flclw beside its new left face, which corner of it is
-/// the vertex, and how many faces clockwise the right one is (vlr_rot). Wedges, normals and materials are left out.
+/// A progressive mesh (PM) with half-edge collapses: triangles in the order in which splits make them, so
+/// that those of a resolution are a prefix, and splits of 8 bytes that find their place by walking around a
+/// vertex. Source: Hoppe, "Progressive Meshes", SIGGRAPH 1996; layout: Hoppe, "Efficient Implementation of
+/// Progressive Meshes", Computers & Graphics 22(1), 1998, §3: a split names the face flclw beside its new
+/// left face, which corner of it is the vertex, and how many faces clockwise the right one is (vlr_rot).
+/// Wedges, normals and materials are left out.
 
 #include <cstdint>
 #include <span>
@@ -18,8 +19,8 @@ class ProgressiveMesh {
   using Triangle = std::array<std::uint32_t, 3>;
 
   /// A totally ordered mesh as build_strips() takes it.
-  /// The coarsest resolution here is the lowest one above which all substitutions are collapses of an edge with one or
-  /// two triangles, of a vertex whose triangles are a fan and with one left beside them.
+  /// The coarsest resolution here is the lowest one above which all substitutions are collapses of an edge
+  /// with one or two triangles, of a vertex whose triangles are a fan and with one left beside them.
   ProgressiveMesh(std::span<const Triangle> triangles, std::span<const std::uint32_t> substitute,
                   std::uint32_t base_resolution);
 
@@ -37,12 +38,13 @@ class ProgressiveMesh {
   std::uint64_t bytes() const;
 
  private:
-  /// Of vertex u from v. Faces beside the new edge: left (v, u, l) and right (u, v, r); the fan that gets u for v lies
-  /// clockwise from left to right.
+  /// Of vertex u from v. Faces beside the new edge: left (v, u, l) and right (u, v, r); the fan that gets u
+  /// for v lies clockwise from left to right.
   struct Split {
-    std::uint32_t flclw;         // the fan's face beside the left one; without a fan, the face beside the only new face
-    std::uint16_t vlr_rot;       // faces of the fan
-    std::uint16_t corner : 2;    // of flclw that is v
+    std::uint32_t
+        flclw;  // the fan's face beside the left one; without a fan, the face beside the only new face
+    std::uint16_t vlr_rot;     // faces of the fan
+    std::uint16_t corner : 2;  // of flclw that is v
     std::uint16_t has_left : 1;
     std::uint16_t has_right : 1;
     std::uint16_t right_first : 1;  // the right face has the lower number
