@@ -110,7 +110,8 @@ class Simplifier {
     std::size_t shared = 0;
     for (const std::uint32_t t : star_[u]) shared += has(t, v);
     const bool on_border = near.size() != star_[u].size();
-    if (shared != (on_border ? 1u : 2u) || common(near, beside).size() != shared || beside.size() < 4) return false;
+    if (shared != (on_border ? 1u : 2u) || common(near, beside).size() != shared || beside.size() < 4)
+      return false;
     return is_fan(u) && std::all_of(star_[u].begin(), star_[u].end(), [&](std::uint32_t t) {
              if (has(t, v)) return true;
              Triangle after = triangles_[t];
@@ -124,7 +125,8 @@ class Simplifier {
     Candidate best{INFINITY, u, u, ++version_[u]};
     const float divisor = std::sqrt(quadric_[u].weight);
     for (const std::uint32_t v : neighbours(u)) {
-      const float cost = divisor > 0 ? quadric_[u].at(vec_cast<float>(positions_[v] - positions_[u])) / divisor : 0;
+      const float cost =
+          divisor > 0 ? quadric_[u].at(vec_cast<float>(positions_[v] - positions_[u])) / divisor : 0;
       if (cost < best.cost && is_legal(u, v)) best.cost = cost, best.v = v;
     }
     if (best.v != u) heap_.push(best);
@@ -143,7 +145,7 @@ class Simplifier {
       }
     }
     star_[u] = {};
-    quadric_[v].add(quadric_[u], vec_cast<float>(positions_[v] - positions_[u]));
+    quadric_[v].add(quadric_[u], vec_cast<float>(positions_[u] - positions_[v]));
     if (restriction_.applied) restriction_.applied(u, v, around, shared);
     Vertices changed = neighbours(v);
     changed.push_back(v);

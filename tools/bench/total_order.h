@@ -28,8 +28,9 @@ struct Restriction {
       applied;
 };
 
-/// Substitutes along edges, the least quadric cost first (Garland, Heckbert 1997), until none is legal: the link
-/// condition holds, u's triangles are one fan, borders stay borders, and no normal turns by more than 84°.
+/// Substitutes along edges, the least quadric cost first (Garland, Heckbert 1997), until none is legal: the
+/// link condition holds, u's triangles are one fan, borders stay borders, and no normal turns by more than
+/// 84°.
 /// @cost O(n log n), some 10 µs per triangle.
 TotalOrder order_by_quadrics(const SurfaceMesh& mesh, const Restriction& restriction = {});
 
