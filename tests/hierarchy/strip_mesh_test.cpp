@@ -137,6 +137,42 @@ TEST(StripMesh, sheets_that_share_edges_are_drawn_as_often_as_they_come) {
     expect_brute_force({triangles, {0, 0, 0, 1, 3}, 2}, options);
 }
 
+/// How many windows between two triangles of a strip are degenerate, at most, at resolution r after
+/// reduction.
+std::size_t widest_gap(const StripSet& strips, const TotallyOrdered& ordered, std::uint32_t r) {
+  std::size_t widest = 0;
+  for (std::uint32_t s = 0; s < strips.strip_count(); ++s) {
+    std::vector<std::uint32_t> strip;
+    for (std::uint32_t v : strips.strip(s)) {
+      v = ordered.number[v];
+      while (v >= r) v = ordered.substitute[v];
+      strip.push_back(v);
+    }
+    strip = reduced(strip);
+    std::size_t gap = 0;
+    for (std::size_t i = 0; i + 3 < strip.size(); ++i) {
+      gap = is_degenerate(&strip[i]) ? gap + 1 : 0;
+      widest = std::max(widest, gap);
+    }
+  }
+  return widest;
+}
+
+TEST(StripSides, strips_stay_strips) {
+  const SurfaceMesh surface = bumpy_torus(24, 16);
+  const StripSet strips = stripify(surface.triangles, static_cast<std::uint32_t>(surface.positions.size()));
+  StripSides sides(strips);
+  const TotallyOrdered free = collapse_order(surface, 1), along = collapse_order(surface, 1, &sides);
+  EXPECT_LT(along.base, along.full() / 2) << "there is something to restrict";
+  std::size_t widest_free = 0;
+  for (std::uint32_t r = free.full(); r > free.full() / 2; --r) {
+    widest_free = std::max(widest_free, widest_gap(strips, free, r));
+    EXPECT_LE(widest_gap(strips, along, r), 1u) << "resolution " << r;
+  }
+  EXPECT_GT(widest_free, 1u);
+  for (const StripOptions& options : all_options()) expect_brute_force(along, options);
+}
+
 TEST(Stripify, strips_have_the_triangles_and_do_not_cross_what_they_may_not) {
   const SurfaceMesh surface = bumpy_torus(30, 20);
   const auto n = static_cast<std::uint32_t>(surface.positions.size());

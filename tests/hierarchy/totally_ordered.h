@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "hierarchy/stripify.h"
+#include "hierarchy/strip_sides.h"
 #include "ooc/surface_mesh.h"
 
 namespace cuesta::test {
@@ -18,6 +18,7 @@ struct TotallyOrdered {
   std::vector<Triangle> triangles;
   std::vector<std::uint32_t> substitute;
   std::uint32_t base = 1;
+  std::vector<std::uint32_t> number = {};  ///< of each vertex of the surface it was made from
 
   std::uint32_t full() const { return static_cast<std::uint32_t>(substitute.size()); }
 };
@@ -71,7 +72,8 @@ inline TotallyOrdered random_order(std::vector<Triangle> triangles, std::uint32_
 
 /// Collapses edges of a clean surface in random order while both ends have no more than their edge's
 /// triangles in common (the link condition), so that it stays a manifold; borders move along themselves only.
-inline TotallyOrdered collapse_order(const SurfaceMesh& surface, std::uint32_t seed) {
+inline TotallyOrdered collapse_order(const SurfaceMesh& surface, std::uint32_t seed,
+                                     StripSides* sides = nullptr) {
   std::mt19937 random(seed);
   const auto n = static_cast<std::uint32_t>(surface.positions.size());
   std::vector<Triangle> now = surface.triangles;
@@ -96,8 +98,9 @@ inline TotallyOrdered collapse_order(const SurfaceMesh& surface, std::uint32_t s
         std::set_intersection(star[u].begin(), star[u].end(), star[v].begin(), star[v].end(),
                               std::back_inserter(shared));
         if (common.size() != shared.size() || shared.size() != (on_border(u) ? 1u : 2u) ||
-            near[u].size() < 3 || near[v].size() < 4)
+            near[u].size() < 3 || near[v].size() < 4 || (sides && !sides->allows(u, v)))
           continue;
+        if (sides) sides->applied(u, v, std::vector(near[u].begin(), near[u].end()), common);
         for (const std::uint32_t t : shared)
           for (const std::uint32_t w : now[t]) star[w].erase(t);
         for (const std::uint32_t t : star[u]) {
@@ -126,6 +129,7 @@ inline TotallyOrdered collapse_order(const SurfaceMesh& surface, std::uint32_t s
   for (const std::uint32_t u : order) mesh.substitute[number[u]] = number[target[u]];
   for (Triangle& t : mesh.triangles)
     for (std::uint32_t& v : t) v = number[v];
+  mesh.number = std::move(number);
   return mesh;
 }
 
