@@ -12,8 +12,6 @@ namespace {
 
 /// A band that would have fewer vertices is part of the one before it.
 constexpr std::uint32_t least_band = 64;
-/// write_indices() copies runs of entries and so reads and writes beyond a strip's end.
-constexpr std::size_t copy_slack = 8;
 
 /// How far through a band, as a share of its resolutions, an edge must stay an edge for a strip to cross it.
 /// A strip that crosses one that is substituted falls into two parts with vertices between them that draw

@@ -9,9 +9,6 @@
 namespace cuesta {
 namespace {
 
-/// Strips are copied so many entries at a time, whatever their length: without a call for each.
-constexpr std::size_t copy_run = 8;
-
 template <class T>
 std::uint64_t bytes_of(const std::vector<T>& v) {
   return v.size() * sizeof(T);
@@ -107,14 +104,8 @@ std::size_t StripMesh::write_indices(std::span<std::uint32_t> out) const {
   std::uint32_t* to = out.data();
   for (const Live& strip : std::span(strips_).subspan(band.first_strip, band.live_strips)) {
     const std::uint32_t length = strip.end - strip.begin;
-    if (skips_when_drawn_) {
-      to += reduce_strip({entries_.data() + strip.begin, length}, to);
-      continue;
-    }
-    for (std::uint32_t i = 0; i < length; i += copy_run)
-      std::memcpy(to + i, entries_.data() + strip.begin + i, copy_run * sizeof *to);
-    to += length;
-    *to++ = strip_restart;
+    const std::uint32_t* from = entries_.data() + strip.begin;
+    to += skips_when_drawn_ ? reduce_strip({from, length}, to) : copy_strip(from, length, to);
   }
   return static_cast<std::size_t>(to - out.data());
 }

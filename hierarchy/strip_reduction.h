@@ -1,11 +1,12 @@
 #pragma once
-/// Repetitions in strips: entries that can go without changing a triangle.
+/// Strips written out, and repetitions in them: entries that can go without changing a triangle.
 ///   a b a b → a b: the windows between are degenerate, and the rest keeps its parity. (Also a a a a → a a.)
 ///   At the ends: while the last window, or the first two, are degenerate, they go.
 /// So a strip whose substitutions all went along its sides, as the paper restricts them, has no other
 /// repetition than the one that turns it (a b a).
 
 #include <cstdint>
+#include <cstring>
 #include <span>
 
 #include "hierarchy/stripify.h"
@@ -50,6 +51,18 @@ inline std::size_t reduce_strip(std::span<const std::uint32_t> strip, std::uint3
   }
   to[length++] = strip_restart;
   return length;
+}
+
+/// How many elements beyond the end copy_strip() may read and write.
+inline constexpr std::size_t copy_slack = 8;
+
+/// Writes a strip, and strip_restart behind it: in runs of eight, without a call for each strip.
+/// @return as reduce_strip().
+inline std::size_t copy_strip(const std::uint32_t* strip, std::size_t length, std::uint32_t* to) {
+  for (std::size_t i = 0; i < length; i += copy_slack)
+    std::memcpy(to + i, strip + i, copy_slack * sizeof *to);
+  to[length] = strip_restart;
+  return length + 1;
 }
 
 }  // namespace cuesta

@@ -3,10 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include "hierarchy/build_strips.h"
+#include "ooc/mesh_reader.h"
 #include "tests/hierarchy/surfaces.h"
 #include "tests/hierarchy/totally_ordered.h"
+#include "tests/shared_data.h"
 #include "tools/baselines/mts.h"
 #include "tools/baselines/progressive_mesh.h"
+#include "tools/bench/total_order.h"
 
 namespace cuesta::test {
 namespace {
@@ -101,6 +105,30 @@ TEST(Mts, only_strips_that_change_are_walked) {
   EXPECT_GT(one_step, 0u);
   EXPECT_LT(one_step, mesh.index_bound() / 8);
   EXPECT_EQ(mesh.set_resolution(ordered.full() - 1), 0u);
+}
+
+/// What the benchmark compares, on a scan that has vertices where two sheets meet.
+TEST(StripBaselines, all_draw_the_same_of_a_scan) {
+  CUESTA_NEED_SHARED(path, "mesh/cow.obj");
+  const auto mesh = load_mesh(path, std::uint64_t{1} << 30);
+  ASSERT_TRUE(mesh);
+  const bench::TotalOrder order = bench::order_by_quadrics(*mesh);
+  const TotallyOrdered ordered{order.triangles, order.substitute, order.base};
+  EXPECT_LT(ordered.base, ordered.full() / 50);
+  ProgressiveMesh pm(ordered.triangles, ordered.substitute, ordered.base);
+  Mts mts(ordered.triangles, ordered.substitute, ordered.base, 32);
+  StripMesh strips = build_strips(ordered.triangles, ordered.substitute, ordered.base);
+  EXPECT_EQ(pm.base_resolution(), ordered.base);
+  std::vector<std::uint32_t> indices(strips.index_bound());
+  for (std::uint32_t r = ordered.full(); r > ordered.base; r -= std::min(r - ordered.base, 97u)) {
+    const auto expected = brute_force(ordered, r);
+    pm.set_resolution(r);
+    mts.set_resolution(r);
+    strips.set_resolution(r);
+    EXPECT_EQ(drawn(pm), expected);
+    EXPECT_EQ(drawn(mts), expected);
+    EXPECT_EQ(drawn_by(std::span(indices).first(strips.write_indices(indices))), expected);
+  }
 }
 
 }  // namespace

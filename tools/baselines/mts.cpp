@@ -1,7 +1,6 @@
 #include "tools/baselines/mts.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "hierarchy/strip_reduction.h"
 #include "hierarchy/stripify.h"
@@ -119,6 +118,7 @@ Mts::Mts(std::span<const Triangle> triangles, std::span<const std::uint32_t> sub
   MtsBuilder builder(triangles, substitute, longest, *this);
   for (auto v = static_cast<std::uint32_t>(substitute.size()); v-- > base_resolution;) builder.substitute(v);
   builder.finish();
+  indices_.resize(indices_.size() + copy_slack);
   set_resolution(static_cast<std::uint32_t>(substitute.size()));
 }
 
@@ -153,10 +153,7 @@ std::size_t Mts::write_indices(std::span<std::uint32_t> out) const {
   CUESTA_CHECK(out.size() >= index_bound(), out.size(), index_bound());
   std::uint32_t* to = out.data();
   for (const Strip& strip : strips_) {
-    if (strip.length == 0) continue;
-    std::memcpy(to, indices_.data() + strip.begin, strip.length * sizeof *to);
-    to += strip.length;
-    *to++ = strip_restart;
+    if (strip.length > 0) to += copy_strip(indices_.data() + strip.begin, strip.length, to);
   }
   return static_cast<std::size_t>(to - out.data());
 }
