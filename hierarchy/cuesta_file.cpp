@@ -16,7 +16,7 @@ bool matches(const Page& page, const PageEntry& e, bool base) {
 }  // namespace
 
 Result<CuestaFile> CuestaFile::open(const std::filesystem::path& path) {
-  auto container = ContainerReader::open(path);
+  auto container = ContainerReader::open(path, ContainerKind::surface);
   if (!container) return fail(container.error());
   const auto bytes = container->read(container->directory());
   if (!bytes) return fail(bytes.error());
@@ -25,18 +25,24 @@ Result<CuestaFile> CuestaFile::open(const std::filesystem::path& path) {
     directory.error().file = path.string();
     return fail(directory.error());
   }
-  return CuestaFile(std::move(*container), std::move(*directory));
+  return CuestaFile(std::make_shared<const ContainerReader>(std::move(*container)), std::move(*directory),
+                    "");
 }
+
+CuestaFile::CuestaFile(std::shared_ptr<const ContainerReader> container, Directory directory,
+                       std::string place)
+    : container_(std::move(container)), directory_(std::move(directory)), place_(std::move(place)) {}
 
 Result<Page> CuestaFile::read_page(PageId id) const {
   CUESTA_CHECK(id < directory_.pages.size(), id);
   const PageEntry& entry = directory_.pages[id];
   const auto at_page = [&](Error error) {
     error.file = path().string();
-    error.place = "page " + std::to_string(id) + (error.place.empty() ? "" : ", " + error.place);
+    error.place = (place_.empty() ? "" : place_ + ", ") + "page " + std::to_string(id) +
+                  (error.place.empty() ? "" : ", " + error.place);
     return fail(std::move(error));
   };
-  const auto bytes = container_.read(entry.block);
+  const auto bytes = container_->read(entry.block);
   if (!bytes) return at_page(bytes.error());
   auto page = decode_page(*bytes);
   if (!page) return at_page(page.error());

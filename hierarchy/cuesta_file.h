@@ -2,6 +2,8 @@
 /// An open .cuesta file: its directory, and pages on demand.
 
 #include <filesystem>
+#include <memory>
+#include <string>
 
 #include "hierarchy/directory.h"
 #include "ooc/container_file.h"
@@ -12,10 +14,14 @@ class CuestaFile {
  public:
   /// Reads and checks header and directory. @error as ContainerReader::open and decode_directory.
   static Result<CuestaFile> open(const std::filesystem::path& path);
+  /// A surface among other things in a file: its pages are at their offsets in the container.
+  /// @param place  what errors call it, for example "part 3"
+  CuestaFile(std::shared_ptr<const ContainerReader> container, Directory directory, std::string place);
 
   const Directory& directory() const { return directory_; }
-  const std::filesystem::path& path() const { return container_.path(); }
-  std::uint64_t file_bytes() const { return container_.file_bytes(); }
+  const std::filesystem::path& path() const { return container_->path(); }
+  /// Of all that is in the file.
+  std::uint64_t file_bytes() const { return container_->file_bytes(); }
 
   /// Reads, checks and decodes one page. Concurrent calls are safe. @pre id < directory().pages.size().
   /// @error io; corrupt (checksum, damaged stream, or a page that contradicts its directory entry), place
@@ -23,10 +29,9 @@ class CuestaFile {
   Result<Page> read_page(PageId id) const;
 
  private:
-  CuestaFile(ContainerReader container, Directory directory)
-      : container_(std::move(container)), directory_(std::move(directory)) {}
-  ContainerReader container_;
+  std::shared_ptr<const ContainerReader> container_;  ///< many surfaces may be in one file
   Directory directory_;
+  std::string place_;
 };
 
 }  // namespace cuesta

@@ -15,6 +15,9 @@
 
 namespace cuesta {
 
+/// No TOM has more.
+inline constexpr std::uint64_t most_segments = 64;
+
 /// A block of a part's TOM. With it and all before it the TOM has these counts; what has not come yet only
 /// makes it finer.
 struct TomSegment {
@@ -26,7 +29,7 @@ struct TomSegment {
 
 /// A large part: a surface (directory.h) whose directory and pages are blocks of the scene's file.
 struct EmbeddedSurface {
-  BlockRef directory;  ///< offsets in it count the bytes of `base`, then those of `pages`
+  BlockRef directory;  ///< of its pages' offsets, that of the base page is 0, others count from pages_offset
   BlockRef base;       ///< its base page
   std::uint64_t pages_offset = 0, pages_bytes = 0;  ///< all others, coarse ones first
 };
@@ -59,8 +62,20 @@ std::vector<SceneInstance> instances_of(const Scene& scene);
 /// Around all instances at rest; empty without any.
 Box3d world_box(const SceneDirectory& directory);
 
+/// All blocks in the order in which they lie in the file: layer by layer, part by part. Behind them come the
+/// pages of surfaces, part by part.
+std::vector<BlockRef*> blocks_in_order(SceneDirectory& directory);
+/// How many of these are of the first layer, which holds the coarsest of every part.
+std::uint64_t coarsest_blocks(const SceneDirectory& directory);
+/// Gives every block and all pages their offsets, which follow from their sizes.
+/// @param first_byte  where the directory ends   @return where the file ends
+std::uint64_t lay_out(SceneDirectory& directory, std::uint64_t first_byte);
+
+/// Without offsets: its own size decides about them.
 std::vector<std::byte> encode_scene_directory(const SceneDirectory& directory);
-/// @error corrupt. Checks every index, count and number, so that what it returns can be relied on.
-Result<SceneDirectory> decode_scene_directory(std::span<const std::byte> bytes);
+/// @param first_byte  as of lay_out()
+/// @error unsupported_version; corrupt. Checks every index, count and number, so that what it returns can be
+/// relied on.
+Result<SceneDirectory> decode_scene_directory(std::span<const std::byte> bytes, std::uint64_t first_byte);
 
 }  // namespace cuesta

@@ -30,7 +30,7 @@ class SceneFile {
 
   /// Bytes on disk, and those that the whole scene has.
   std::uint64_t file_bytes() const { return container_->file_bytes(); }
-  std::uint64_t whole_bytes() const { return container_->announced_bytes(); }
+  std::uint64_t whole_bytes() const { return container_->whole_bytes(); }
   bool is_whole() const { return file_bytes() == whole_bytes(); }
   /// Segments of the part that are in the file: all of a whole one, else a number of the first ones.
   /// A surface counts as one when its directory and base page are there.

@@ -16,18 +16,18 @@ namespace cuesta {
 namespace {
 
 constexpr std::array<char, 8> magic{'C', 'U', 'E', 'S', 'T', 'A', '\r', '\n'};
-constexpr std::size_t header_bytes = 64;
+constexpr std::size_t header_bytes = container_header_bytes;
 
-std::vector<std::byte> make_header(const BlockRef& directory, std::uint64_t file_bytes) {
+std::vector<std::byte> make_header(const BlockRef& directory, std::uint64_t file_bytes, ContainerKind kind) {
   ByteWriter w;
   w.put(magic);
-  w.put(container_version);
+  w.put(container_version(kind));
   w.put(static_cast<std::uint32_t>(header_bytes));
   w.put(directory.offset);
   w.put(directory.bytes);
   w.put(directory.checksum);
   w.put(file_bytes);
-  w.put(std::uint64_t{0});
+  w.put(kind);
   w.put(checksum(w.bytes()));
   return w.take();
 }
@@ -38,18 +38,18 @@ std::string at_byte(std::uint64_t offset) {
 
 }  // namespace
 
-Result<ContainerWriter> ContainerWriter::create(const std::filesystem::path& path) {
+Result<ContainerWriter> ContainerWriter::create(const std::filesystem::path& path, ContainerKind kind) {
   auto file = AtomicFile::create(path);
   if (!file) return fail(file.error());
   const std::array<std::byte, header_bytes> blank{};
   if (auto r = file->write(blank); !r) return fail(r.error());
-  return ContainerWriter(std::move(*file));
+  return ContainerWriter(std::move(*file), kind);
 }
 
 Result<ContainerWriter> ContainerWriter::resume(const std::filesystem::path& path, std::uint64_t end) {
   auto file = AtomicFile::resume(path, end);
   if (!file) return fail(file.error());
-  return ContainerWriter(std::move(*file));
+  return ContainerWriter(std::move(*file), ContainerKind::surface);
 }
 
 Result<void> ContainerWriter::pad() {
@@ -68,25 +68,27 @@ Result<BlockRef> ContainerWriter::append(std::span<const std::byte> block) {
 Result<void> ContainerWriter::finish(std::span<const std::byte> directory) {
   const auto ref = append(directory);
   if (!ref) return fail(ref.error());
-  const auto header = make_header(*ref, file_.bytes_written());
+  return finish(*ref);
+}
+
+Result<void> ContainerWriter::finish(const BlockRef& directory) {
+  const auto header = make_header(directory, file_.bytes_written(), kind_);
   if (auto r = file_.rewrite(0, header); !r) return r;
   return file_.commit();
 }
 
-Result<ContainerReader> ContainerReader::open(const std::filesystem::path& path) {
-  ContainerReader reader;
-  reader.path_ = path;
-  reader.descriptor_ =
-      ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe is refused, not waited for
+Result<ContainerKind> ContainerReader::begin(const std::filesystem::path& path) {
+  path_ = path;
+  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe is refused, not waited for
   struct stat status {};
-  if (reader.descriptor_ < 0 || ::fstat(reader.descriptor_, &status) != 0)
+  if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0)
     return fail(errno == ENOENT ? ErrorCode::not_found : ErrorCode::io, path.string(), "",
                 std::strerror(errno));
   if (!S_ISREG(status.st_mode))
     return fail(ErrorCode::invalid_input, path.string(), "", "not a regular file");
-  reader.file_bytes_ = static_cast<std::uint64_t>(status.st_size);
+  file_bytes_ = static_cast<std::uint64_t>(status.st_size);
   std::array<std::byte, header_bytes> bytes{};
-  const ssize_t got = ::pread(reader.descriptor_, bytes.data(), bytes.size(), 0);
+  const ssize_t got = ::pread(descriptor_, bytes.data(), bytes.size(), 0);
   if (got < 0) return fail(ErrorCode::io, path.string(), at_byte(0), std::strerror(errno));
   if (static_cast<std::size_t>(got) < magic.size() ||
       std::memcmp(bytes.data(), magic.data(), magic.size()) != 0)
@@ -95,23 +97,49 @@ Result<ContainerReader> ContainerReader::open(const std::filesystem::path& path)
   if (static_cast<std::size_t>(got) < header_bytes)
     return fail(ErrorCode::corrupt, path.string(), at_byte(static_cast<std::uint64_t>(got)),
                 "the header is cut off");
-  ByteReader r(std::span<const std::byte>(bytes).subspan(magic.size()));
+  return read_header(bytes);
+}
+
+/// The version is looked at first: what else a later one has in its header is not known.
+Result<ContainerKind> ContainerReader::read_header(std::span<const std::byte> bytes) {
+  ByteReader r(bytes.subspan(magic.size()));
   const auto version = r.get<std::uint32_t>();
-  if (version != container_version)
-    return fail(ErrorCode::unsupported_version, path.string(), at_byte(8),
-                "format version " + std::to_string(version) + ", this program reads version " +
-                    std::to_string(container_version));
+  constexpr auto newest = container_version(ContainerKind::scene);
+  if (version == 0 || version > newest)
+    return fail(ErrorCode::unsupported_version, path_.string(), at_byte(8),
+                "format version " + std::to_string(version) + ", this program reads versions up to " +
+                    std::to_string(newest));
   r.get<std::uint32_t>();
-  reader.directory_.offset = r.get<std::uint64_t>();
-  reader.directory_.bytes = r.get<std::uint64_t>();
-  reader.directory_.checksum = r.get<std::uint64_t>();
-  const auto announced = r.get<std::uint64_t>();
-  r.get<std::uint64_t>();
-  if (r.get<std::uint64_t>() != checksum(std::span<const std::byte>(bytes).first(56)))
-    return fail(ErrorCode::corrupt, path.string(), at_byte(0), "the header's checksum does not match");
-  if (announced != reader.file_bytes_)
+  directory_.offset = r.get<std::uint64_t>();
+  directory_.bytes = r.get<std::uint64_t>();
+  directory_.checksum = r.get<std::uint64_t>();
+  whole_bytes_ = r.get<std::uint64_t>();
+  const auto kind = r.get<ContainerKind>();
+  if (r.get<std::uint64_t>() != checksum(bytes.first(56)))
+    return fail(ErrorCode::corrupt, path_.string(), at_byte(0), "the header's checksum does not match");
+  if (version == container_version(ContainerKind::surface)) return ContainerKind::surface;
+  if (kind == ContainerKind::scene) return kind;
+  return fail(ErrorCode::unsupported_version, path_.string(), at_byte(48),
+              "holds something that this program does not know");
+}
+
+Result<ContainerKind> ContainerReader::kind_of(const std::filesystem::path& path) {
+  return ContainerReader().begin(path);
+}
+
+Result<ContainerReader> ContainerReader::open(const std::filesystem::path& path, ContainerKind wanted) {
+  ContainerReader reader;
+  const auto kind = reader.begin(path);
+  if (!kind) return fail(kind.error());
+  if (*kind != wanted)
+    return fail(ErrorCode::invalid_input, path.string(), "",
+                wanted == ContainerKind::surface
+                    ? "holds a scene of many parts, and a single surface is needed here"
+                    : "holds a single surface, and a scene of many parts is needed here");
+  const bool may_be_cut = wanted == ContainerKind::scene && reader.file_bytes_ < reader.whole_bytes_;
+  if (reader.whole_bytes_ != reader.file_bytes_ && !may_be_cut)
     return fail(ErrorCode::corrupt, path.string(), at_byte(40),
-                "expected " + std::to_string(announced) + " bytes, found " +
+                "expected " + std::to_string(reader.whole_bytes_) + " bytes, found " +
                     std::to_string(reader.file_bytes_) + ": the file was cut off or appended to");
   return reader;
 }
@@ -120,13 +148,15 @@ ContainerReader::ContainerReader(ContainerReader&& other) noexcept
     : path_(std::move(other.path_)),
       descriptor_(std::exchange(other.descriptor_, -1)),
       directory_(other.directory_),
-      file_bytes_(other.file_bytes_) {}
+      file_bytes_(other.file_bytes_),
+      whole_bytes_(other.whole_bytes_) {}
 
 ContainerReader& ContainerReader::operator=(ContainerReader&& other) noexcept {
   std::swap(path_, other.path_);
   std::swap(descriptor_, other.descriptor_);
   std::swap(directory_, other.directory_);
   std::swap(file_bytes_, other.file_bytes_);
+  std::swap(whole_bytes_, other.whole_bytes_);
   return *this;
 }
 

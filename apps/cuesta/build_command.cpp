@@ -10,6 +10,7 @@
 #include "apps/cuesta/build_summary.h"
 #include "apps/cuesta/machine.h"
 #include "apps/cuesta/progress.h"
+#include "apps/cuesta/scene_build.h"
 #include "apps/cuesta/stop_signal.h"
 #include "apps/cuesta/text_forms.h"
 #include "ooc/fingerprint.h"
@@ -20,15 +21,23 @@
 namespace cuesta::app {
 namespace {
 
-BuildSettings with_defaults(BuildSettings settings) {
+Result<BuildSettings> with_defaults(BuildSettings settings) {
   if (settings.memory_bytes == 0) settings.memory_bytes = physical_memory_bytes() / 4 * 3;
   if (settings.output.empty())
     settings.output = name_inside(settings.inputs.front().filename()).replace_extension(".cuesta");
+  if (settings.type != BuildType::automatic) return settings;
+  const auto is_scene = looks_like_scene(settings);
+  if (!is_scene) return fail(is_scene.error());
+  if (*is_scene) settings.type = BuildType::scene;
   return settings;
 }
 
+bool is_scene(const BuildSettings& s) {
+  return s.type == BuildType::scene;
+}
+
 bool is_terrain(const BuildSettings& s) {
-  return std::all_of(s.inputs.begin(), s.inputs.end(), is_raster);
+  return s.type == BuildType::automatic && std::all_of(s.inputs.begin(), s.inputs.end(), is_raster);
 }
 
 /// Fails early what would fail after the whole build.
@@ -40,7 +49,10 @@ Result<void> check_output(const BuildSettings& s) {
                 "the output's folder does not exist; make it first");
   if (std::filesystem::is_directory(s.output, ignored))
     return fail(ErrorCode::invalid_input, s.output.string(), "", "is a folder; give a file name with -o");
-  if (!is_terrain(s))
+  if (is_scene(s) && s.inputs.size() > 1)
+    return fail(ErrorCode::invalid_input, "", "",
+                "a scene is built from one file or folder; put several into a folder");
+  if (!is_terrain(s) && !is_scene(s))
     if (const auto raster = std::find_if(s.inputs.begin(), s.inputs.end(), is_raster);
         raster != s.inputs.end())
       return fail(ErrorCode::invalid_input, raster->string(), "",
@@ -215,7 +227,9 @@ Result<void> build_mesh(WorkFolder& folder, const BuildSettings& s, BuildFacts& 
 }  // namespace
 
 Result<void> run_build(const BuildSettings& given) {
-  const BuildSettings s = with_defaults(given);
+  const auto settings = with_defaults(given);
+  if (!settings) return fail(settings.error());
+  const BuildSettings& s = *settings;
   if (auto r = check_output(s); !r) return r;
   if (auto r = check_memory(s); !r) return r;
   const double start_ms = clock_ms();
@@ -238,8 +252,9 @@ Result<void> run_build(const BuildSettings& given) {
   if (folder->journal().is_resumed() && !s.quiet)
     fmt::print(stderr, "going on with what an earlier run left in {}\n", work.string());
   MemoryBudget memory(s.memory_bytes);
-  const auto built = is_terrain(s) ? build_terrain(*folder, s, facts, memory, progress)
-                                   : build_mesh(*folder, s, facts, memory, progress);
+  const auto built = is_scene(s)     ? build_scene_file(*folder, s, facts, memory, progress)
+                     : is_terrain(s) ? build_terrain(*folder, s, facts, memory, progress)
+                                     : build_mesh(*folder, s, facts, memory, progress);
   if (!built) {
     if (!is_resumable(built.error().code)) {
       folder->remove();

@@ -1,5 +1,5 @@
 #pragma once
-/// cuesta build: mesh files or rasters of heights in, a .cuesta file out.
+/// cuesta build: mesh files, scenes or rasters of heights in, a .cuesta file out.
 
 #include <cstdint>
 #include <filesystem>
@@ -11,6 +11,8 @@
 
 namespace cuesta::app {
 
+enum class BuildType : std::uint8_t { automatic, surface, scene };
+
 struct BuildSettings {
   std::vector<std::filesystem::path> inputs;  ///< at least one; several become one surface, in this order
   std::filesystem::path output;               ///< empty, for one input only: its name with .cuesta
@@ -19,9 +21,11 @@ struct BuildSettings {
   double step = 0;                            ///< grid step in world units (metres, of a terrain); 0 chooses
   double weld = 0;  ///< points on open borders this near to each other, in world units, become one; 0: none
   std::uint32_t cell_triangles = 1u << 15;
-  VolumeOptions volume;      ///< of inputs that are volumes
-  TerrainSettings terrain;   ///< of inputs that are rasters of heights
-  bool make_normals = true;  ///< where the input has none
+  BuildType type = BuildType::automatic;               ///< of terrains: automatic
+  std::uint64_t largest_tom = std::uint64_t{1} << 17;  ///< of scenes: parts of more triangles are surfaces
+  VolumeOptions volume;                                ///< of inputs that are volumes
+  TerrainSettings terrain;                             ///< of inputs that are rasters of heights
+  bool make_normals = true;                            ///< where the input has none
   bool incremental = false;  ///< keep what cells became, in <output>.cells, and use what is there
   bool force = false;        ///< build also when the output is up to date
   bool resume = true;        ///< go on with what an interrupted build left

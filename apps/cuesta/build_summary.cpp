@@ -8,15 +8,12 @@
 #include <vector>
 
 #include "apps/cuesta/machine.h"
+#include "apps/cuesta/scene_build.h"
 #include "apps/cuesta/text_forms.h"
 
 namespace cuesta::app {
-namespace {
 
-using Count = std::pair<const char*, std::uint64_t>;
-
-/// Stable names of the JSON and words of the screen, in one table each.
-std::vector<Count> read_counts(const ReadReport& r) {
+Counts read_counts(const ReadReport& r) {
   return {{"vertices", r.vertices},
           {"triangles", r.triangles},
           {"polygons_triangulated", r.polygons_triangulated},
@@ -25,7 +22,7 @@ std::vector<Count> read_counts(const ReadReport& r) {
           {"other_files", r.other_files}};
 }
 
-std::vector<Count> clean_counts(const CleanReport& c) {
+Counts clean_counts(const CleanReport& c) {
   return {{"nonfinite_vertices", c.nonfinite_vertices},
           {"faces_nonfinite", c.faces_nonfinite},
           {"vertices_welded", c.vertices_welded},
@@ -37,12 +34,20 @@ std::vector<Count> clean_counts(const CleanReport& c) {
           {"wedge_groups", c.wedge_groups}};
 }
 
+nlohmann::ordered_json counts_json(const Counts& counts) {
+  nlohmann::ordered_json object = nlohmann::ordered_json::object();
+  for (const auto& [name, count] : counts) object[name] = count;
+  return object;
+}
+
+namespace {
+
 /// Of builds that weld borders only: files of others know nothing of them.
-std::vector<Count> weld_counts(const CleanReport& c) {
+Counts weld_counts(const CleanReport& c) {
   return {{"border_points", c.border_points}, {"border_points_welded", c.border_points_welded}};
 }
 
-std::vector<Count> told_counts(const ReadReport& r, const CleanReport& c) {
+Counts told_counts(const ReadReport& r, const CleanReport& c) {
   return {{"polygons triangulated", r.polygons_triangulated},
           {"faces dropped: index out of range", r.faces_out_of_range},
           {"faces dropped: fewer than three corners", r.faces_too_small},
@@ -57,11 +62,11 @@ std::vector<Count> told_counts(const ReadReport& r, const CleanReport& c) {
           {"positions on attribute seams", c.wedge_groups}};
 }
 
-std::vector<Count> missing_counts(const MissingAttributes& m) {
+Counts missing_counts(const MissingAttributes& m) {
   return {{"normals", m.normals}, {"colours", m.colours}, {"texcoords", m.texcoords}};
 }
 
-std::vector<Count> told_missing(const MissingAttributes& m, bool make_normals) {
+Counts told_missing(const MissingAttributes& m, bool make_normals) {
   return {{make_normals ? "vertices of inputs without normals: computed"
                         : "vertices of inputs without normals: none",
            m.normals},
@@ -83,12 +88,6 @@ InputFacts totals(const BuildFacts& f) {
     all.read.other_files += input.read.other_files;
   }
   return all;
-}
-
-nlohmann::ordered_json as_json(const std::vector<Count>& counts) {
-  nlohmann::ordered_json object = nlohmann::ordered_json::object();
-  for (const auto& [name, count] : counts) object[name] = count;
-  return object;
 }
 
 /// What was asked for only: files of builds without volumes know nothing of them.
@@ -125,6 +124,10 @@ nlohmann::ordered_json options_of(const BuildSettings& settings) {
   nlohmann::ordered_json options{{"cell_triangles", settings.cell_triangles},
                                  {"make_normals", settings.make_normals},
                                  {"step", settings.step}};
+  if (settings.type == BuildType::scene) {
+    options["type"] = "scene";
+    options["largest_tom"] = settings.largest_tom;
+  }
   if (settings.weld > 0) options["weld"] = settings.weld;
   const auto terrain = terrain_of(settings.terrain);
   if (!terrain.empty()) options["terrain"] = terrain;
@@ -152,9 +155,9 @@ std::string row(std::string_view name, std::string_view value) {
 std::string terrain_rows(const TerrainFacts& t, const InputFacts& all) {
   std::string text = row(
       "input", fmt::format("{}: {} postings, {}", all.name, with_commas(t.postings), byte_count(all.bytes)));
-  const std::vector<Count> counts{{"postings without data: holes", t.no_data},
-                                  {"postings without data: interpolated", t.filled},
-                                  {"postings at or raised to the sea level", t.raised}};
+  const Counts counts{{"postings without data: holes", t.no_data},
+                      {"postings without data: interpolated", t.filled},
+                      {"postings at or raised to the sea level", t.raised}};
   for (const auto& [words, count] : counts)
     if (count > 0) text += row("", fmt::format("{} {}", with_commas(count), words));
   text +=
@@ -168,6 +171,21 @@ std::string terrain_rows(const TerrainFacts& t, const InputFacts& all) {
                                       t.bounds->south_deg, t.bounds->north_deg, t.bounds->west_deg,
                                       t.bounds->east_deg, t.spacing_m));
   return text + row("frame", t.frame.description());
+}
+
+std::string surface_rows(const BuildFacts& f, double triangles) {
+  std::string text =
+      row("surface", fmt::format("{} triangles, {} vertices; attributes: {}", with_commas(f.triangles),
+                                 with_commas(f.vertices), attributes(f)));
+  text += row("hierarchy", fmt::format("{} rounds, {} pages, {} fans, {} substitutions", f.built.rounds,
+                                       with_commas(f.built.pages), with_commas(f.built.fans),
+                                       with_commas(f.built.substitutions)));
+  if (f.cells_made + f.cells_known > 0)
+    text += row("", fmt::format("{} of {} cells were known from the build before", with_commas(f.cells_known),
+                                with_commas(f.cells_made + f.cells_known)));
+  text += row("file", fmt::format("{}, {:.2f} bytes per triangle", byte_count(f.built.file_bytes),
+                                  static_cast<double>(f.built.file_bytes) / triangles));
+  return text;
 }
 
 }  // namespace
@@ -190,10 +208,10 @@ std::string build_metadata(const BuildFacts& facts, const BuildSettings& setting
     json["terrain"] = nlohmann::ordered_json::parse(terrain_json(*facts.terrain));
     json["warnings"] = facts.warnings;
   } else {
-    json["read"] = as_json(read_counts(totals(facts).read));
-    json["missing"] = as_json(missing_counts(facts.missing));
-    json["clean"] = as_json(clean_counts(facts.clean));
-    if (settings.weld > 0) json["clean"].update(as_json(weld_counts(facts.clean)));
+    json["read"] = counts_json(read_counts(totals(facts).read));
+    json["missing"] = counts_json(missing_counts(facts.missing));
+    json["clean"] = counts_json(clean_counts(facts.clean));
+    if (settings.weld > 0) json["clean"].update(counts_json(weld_counts(facts.clean)));
   }
   json["options"] = options_of(settings);
   if (totals(facts).read.other_files == 0) json["fingerprint"] = facts.fingerprint;
@@ -218,16 +236,7 @@ std::string build_summary(const BuildFacts& f, const BuildSettings& settings) {
                         with_commas(f.clean.border_points), settings.weld));
   for (const auto& [words, count] : told_counts(all.read, f.clean))
     if (count > 0) text += row("", fmt::format("{} {}", with_commas(count), words));
-  text += row("surface", fmt::format("{} triangles, {} vertices; attributes: {}", with_commas(f.triangles),
-                                     with_commas(f.vertices), attributes(f)));
-  text += row("hierarchy", fmt::format("{} rounds, {} pages, {} fans, {} substitutions", f.built.rounds,
-                                       with_commas(f.built.pages), with_commas(f.built.fans),
-                                       with_commas(f.built.substitutions)));
-  if (f.cells_made + f.cells_known > 0)
-    text += row("", fmt::format("{} of {} cells were known from the build before", with_commas(f.cells_known),
-                                with_commas(f.cells_made + f.cells_known)));
-  text += row("file", fmt::format("{}, {:.2f} bytes per triangle", byte_count(f.built.file_bytes),
-                                  static_cast<double>(f.built.file_bytes) / triangles));
+  text += f.scene ? scene_rows(*f.scene) : surface_rows(f, triangles);
   text += row("time",
               fmt::format("{}, {} triangles/s", duration(f.seconds),
                           with_commas(static_cast<std::uint64_t>(triangles / std::max(1e-6, f.seconds)))));

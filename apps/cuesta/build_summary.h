@@ -2,12 +2,15 @@
 /// What a build tells: the JSON kept in the file, and the summary on the screen.
 
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "apps/cuesta/build_command.h"
 #include "hierarchy/build_hierarchy.h"
+#include "hierarchy/build_scene.h"
 #include "ooc/clean_report.h"
 #include "ooc/ingest.h"
 #include "ooc/mesh_reader.h"
@@ -27,12 +30,19 @@ struct BuildFacts {
   CleanReport clean;
   BuildReport built;
   std::optional<TerrainFacts> terrain;
+  std::optional<SceneBuildReport> scene;
   std::vector<std::string> warnings;
   std::uint64_t cells_made = 0, cells_known = 0;  ///< of an incremental build
   std::uint64_t triangles = 0, vertices = 0;      ///< of the clean surface
   AttributeSet attributes;
   double seconds = 0;
 };
+
+/// Names and counts: stable ones of the metadata, or words of the screen.
+using Counts = std::vector<std::pair<const char*, std::uint64_t>>;
+Counts read_counts(const ReadReport& report);
+Counts clean_counts(const CleanReport& report);
+nlohmann::ordered_json counts_json(const Counts& counts);
 
 /// The options that decide the bytes of the file, as a JSON object: all that the metadata and the fingerprint
 /// know of them.

@@ -192,14 +192,15 @@ void add_terrain(CLI::App* app, TerrainSettings& t) {
 
 void add_build(CLI::App& program, Common& common) {
   Command<BuildSettings> c(
-      program, "build", "Builds a .cuesta file from mesh files, volumes, or rasters of heights.",
+      program, "build", "Builds a .cuesta file from mesh files, scenes, volumes, or rasters of heights.",
       "Reads PLY, OBJ, STL, OFF, glTF, GLB or Draco; drops what is no surface (degenerate,\n"
       "duplicate and non-finite faces), cuts non-manifold edges, snaps vertices to a grid, and\n"
       "writes all levels of detail into one file. What was dropped is counted and told.\n\n"
       "Meshes of any size are built in the memory given, with temporary data of 100 to 150 bytes per\n"
       "triangle on disk, in FILE.work. A build that is interrupted, by Ctrl-C, a crash or a full\n"
       "disk, goes on from there when the same command is run again.\n\n"
-      "Any of them may be inside gzip or Zstandard (scan.ply.gz, scan.obj.zst). Several files become\n"
+      "Any of them may be inside gzip, Zstandard, xz or zip (scan.ply.gz, scan.obj.zst). Several files "
+      "become\n"
       "one surface, in the order given. Where only some have an attribute, vertices of the others get\n"
       "computed normals, white, or (0, 0). Tiles whose borders nearly meet are joined with --weld: TOL\n"
       "is best a little more than the width of the cracks, and less than the borders' edges.\n\n"
@@ -211,11 +212,16 @@ void add_build(CLI::App& program, Common& common) {
       "samples with a sidecar) become one terrain: any number of tiles, with overlaps and gaps. No-data\n"
       "is a hole, unless --fill or --sea-level say otherwise. Error bounds are vertical, in metres, over\n"
       "every posting.\n\n"
+      "A scene (glTF, OBJ, a folder of mesh files) becomes a file of many parts with --type scene: each\n"
+      "distinct mesh is stored once, nodes, instances, materials and animations stay. That is also what\n"
+      "is made, without --type, of a folder of meshes, and of one glTF file that shows more than one\n"
+      "mesh or has animations; --type surface makes one surface of it. Textures are not kept.\n\n"
       "An output that was made by this program from the same bytes with the same options is up to\n"
-      "date: nothing is done. (glTF with buffers in other files is always built.)\n\n"
+      "date: nothing is done. (A surface of glTF with buffers in other files is always built.)\n\n"
       "Examples:\n  cuesta build bunny.ply -o bunny.cuesta --memory 4G\n"
       "  cuesta build tiles/*.ply.gz -o city.cuesta --temp /var/tmp\n"
       "  cuesta build smoke.vdb --grid density --iso 0.1 --adaptivity 0.02\n"
+      "  cuesta build engine.glb --type scene -o engine.cuesta\n"
       "  cuesta build *.hgt -o alps.cuesta --geoid egm96 --fill 20");
   BuildSettings& s = *c.settings;
   c.app
@@ -253,6 +259,14 @@ void add_build(CLI::App& program, Common& common) {
   c.app->add_option("--cell", s.cell_triangles, "triangles of a page before it is simplified; default 32768")
       ->type_name("N")
       ->check(CLI::Range(64u, max_page_elements - 1));
+  add_parsed(
+      c.app, "--type", "TYPE", "auto, surface or scene; default auto",
+      one_of<BuildType>(
+          {{"auto", BuildType::automatic}, {"surface", BuildType::surface}, {"scene", BuildType::scene}},
+          s.type));
+  add_parsed(c.app, "--largest-tom", "N",
+             "of scenes: parts of more triangles become fan-hierarchies; default 131072",
+             store(parse_count, s.largest_tom));
   c.app->add_option("--grid", s.volume.grid, "grid of a volume; default: its first scalar one")
       ->type_name("NAME");
   c.app->add_option("--iso", s.volume.iso, "value on a volume's surface; default: 0 (level set), 0.5 (fog)")
@@ -281,12 +295,14 @@ void add_info(CLI::App& program, Common& common) {
   Command<InfoSettings> c(
       program, "info", "Tells what is in a .cuesta file.",
       "Bounds, counts, grid, attributes, and for each round its pages and the range of its\n"
-      "errors in world units. Reads the directory only, not the pages.\n\n"
+      "errors in world units. Of a scene: nodes, instances, parts, clips, and how much of it is in each\n"
+      "layer of segments, coarsest first.\n\n"
       "Example:\n  cuesta info bunny.cuesta --json");
   InfoSettings& s = *c.settings;
   add_path(c.app, "FILE", s.file, "a .cuesta file")->required();
   c.app->add_flag("--json", s.json, "as JSON with stable keys");
-  c.app->add_flag("--pages", s.pages, "also one line (one object) for each page");
+  c.app->add_flag("--pages,--parts", s.pages,
+                  "also one line (one object) for each page; of a scene, for each part");
   c.runs(common, run_info);
 }
 

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/cuesta/scene_info.h"
 #include "apps/cuesta/text_forms.h"
 #include "apps/overview/file_facts.h"
 #include "hierarchy/cuesta_file.h"
@@ -22,7 +23,7 @@ struct Spent {
 };
 
 Result<Spent> spent_in(const CuestaFile& file) {
-  const auto container = ContainerReader::open(file.path());
+  const auto container = ContainerReader::open(file.path(), ContainerKind::surface);
   if (!container) return fail(container.error());
   Spent spent;
   spent.directory = container->directory().bytes;
@@ -150,6 +151,9 @@ void print_text(const CuestaFile& file, const Spent& spent, bool pages) {
 }  // namespace
 
 Result<void> run_info(const InfoSettings& settings) {
+  const auto kind = ContainerReader::kind_of(settings.file);
+  if (!kind) return fail(kind.error());
+  if (*kind == ContainerKind::scene) return run_scene_info(settings);
   const auto file = CuestaFile::open(settings.file);
   if (!file) return fail(file.error());
   const auto spent = spent_in(*file);

@@ -213,7 +213,7 @@ TEST_F(Container, blocks_are_aligned_and_checked) {
   const auto file = CuestaFile::open(folder_ / "a.cuesta");
   ASSERT_TRUE(file);
   for (const PageEntry& e : file->directory().pages) EXPECT_EQ(e.block.offset % container_alignment, 0u);
-  const auto reader = ContainerReader::open(folder_ / "a.cuesta");
+  const auto reader = ContainerReader::open(folder_ / "a.cuesta", ContainerKind::surface);
   BlockRef beyond = file->directory().pages[0].block;
   beyond.bytes = ~std::uint64_t{0};
   EXPECT_EQ(reader->read(beyond).error().code, ErrorCode::corrupt);
