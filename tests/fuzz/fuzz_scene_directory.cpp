@@ -1,0 +1,9 @@
+/// Whatever decode_scene_directory accepts can be encoded again.
+
+#include "hierarchy/scene_directory.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto decoded = cuesta::decode_scene_directory({reinterpret_cast<const std::byte*>(data), size}, 64);
+  if (decoded) cuesta::encode_scene_directory(*decoded);
+  return 0;
+}
