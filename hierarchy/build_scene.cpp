@@ -180,6 +180,7 @@ class SceneBuilder {
     for (SceneNode& node : directory_.scene.nodes) {
       if (node.part == no_index) continue;
       const std::uint32_t task = task_of_[node.part];
+      if (task != no_index) report_.instanced_read += tasks_[task].facts.read.triangles;
       node.part = task == no_index ? no_index : stored[task];
       if (node.part == no_index) node.material = no_index;
     }

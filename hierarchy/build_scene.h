@@ -22,6 +22,7 @@ struct SceneBuildReport {
   std::uint64_t toms = 0, surfaces = 0;
   std::uint64_t vertices = 0, triangles = 0;  ///< of all parts stored
   std::uint64_t instanced_triangles = 0;      ///< of all instances
+  std::uint64_t instanced_read = 0;           ///< as the file has them: before cleaning
   ReadReport read;                            ///< of the distinct parts
   CleanReport clean;                          ///< of these
   std::uint64_t coarsest_bytes = 0;           ///< of the file until every part has its coarsest segment

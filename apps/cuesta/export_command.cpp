@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cuesta/open_cut.h"
+#include "apps/cuesta/scene_export.h"
 #include "apps/overview/file_facts.h"
 #include "ooc/mesh_writer.h"
 #include "runtime/extract.h"
@@ -83,6 +84,9 @@ void tell(const ExportSettings& s, const Directory& d, const SurfaceMesh& mesh, 
 
 Result<void> run_export(const ExportSettings& s) {
   if (auto r = check_format(s); !r) return r;
+  const auto kind = ContainerReader::kind_of(s.file);
+  if (!kind) return fail(kind.error());
+  if (*kind == ContainerKind::scene) return run_scene_export(s);
   Progress progress(s.quiet);
   auto cut = open_cut(s.file, s.cache_bytes);
   if (!cut) return fail(cut.error());

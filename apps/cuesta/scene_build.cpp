@@ -102,7 +102,8 @@ std::string scene_metadata(const SceneBuildReport& r, const BuildFacts& facts, c
                    {"toms", r.toms},
                    {"surfaces", r.surfaces},
                    {"triangles", r.triangles},
-                   {"instanced_triangles", r.instanced_triangles}};
+                   {"instanced_triangles", r.instanced_triangles},
+                   {"instanced_read", r.instanced_read}};
   json["read"] = counts_json(read_counts(r.read));
   json["clean"] = counts_json(clean_counts(r.clean));
   json["warnings"] = facts.warnings;

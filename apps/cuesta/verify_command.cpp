@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cuesta/progress.h"
+#include "apps/cuesta/scene_verify.h"
 #include "apps/cuesta/text_forms.h"
 #include "apps/verify/sample_cuts.h"
 #include "hierarchy/verify_file.h"
@@ -119,6 +120,9 @@ Result<VerifyReport> verify_all(const VerifySettings& s, Progress& progress) {
 }  // namespace
 
 Result<void> run_verify(const VerifySettings& s) {
+  const auto kind = ContainerReader::kind_of(s.file);
+  if (!kind) return fail(kind.error());
+  if (*kind == ContainerKind::scene) return run_scene_verify(s);
   Progress progress(s.quiet);
   const auto report = verify_all(s, progress);
   progress.finish();
