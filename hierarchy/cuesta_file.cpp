@@ -16,13 +16,20 @@ bool matches(const Page& page, const PageEntry& e, bool base) {
 }  // namespace
 
 Result<CuestaFile> CuestaFile::open(const std::filesystem::path& path) {
-  auto container = ContainerReader::open(path, ContainerKind::surface);
+  return open(ContainerReader::open(path, ContainerKind::surface));
+}
+
+Result<CuestaFile> CuestaFile::open(std::shared_ptr<const ByteSource> source) {
+  return open(ContainerReader::open(std::move(source), ContainerKind::surface));
+}
+
+Result<CuestaFile> CuestaFile::open(Result<ContainerReader> container) {
   if (!container) return fail(container.error());
   const auto bytes = container->read(container->directory());
   if (!bytes) return fail(bytes.error());
   auto directory = decode_directory(*bytes);
   if (!directory) {
-    directory.error().file = path.string();
+    directory.error().file = container->path().string();
     return fail(directory.error());
   }
   return CuestaFile(std::make_shared<const ContainerReader>(std::move(*container)), std::move(*directory),

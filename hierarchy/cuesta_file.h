@@ -14,6 +14,8 @@ class CuestaFile {
  public:
   /// Reads and checks header and directory. @error as ContainerReader::open and decode_directory.
   static Result<CuestaFile> open(const std::filesystem::path& path);
+  /// @param source  shared with whoever delivers its bytes.
+  static Result<CuestaFile> open(std::shared_ptr<const ByteSource> source);
   /// A surface among other things in a file: its pages are at their offsets in the container.
   /// @param place  what errors call it, for example "part 3"
   CuestaFile(std::shared_ptr<const ContainerReader> container, Directory directory, std::string place);
@@ -29,6 +31,7 @@ class CuestaFile {
   Result<Page> read_page(PageId id) const;
 
  private:
+  static Result<CuestaFile> open(Result<ContainerReader> container);
   std::shared_ptr<const ContainerReader> container_;  ///< many surfaces may be in one file
   Directory directory_;
   std::string place_;

@@ -1,12 +1,7 @@
 #include "ooc/container_file.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstring>
 
 #include "ooc/byte_stream.h"
@@ -30,10 +25,6 @@ std::vector<std::byte> make_header(const BlockRef& directory, std::uint64_t file
   w.put(kind);
   w.put(checksum(w.bytes()));
   return w.take();
-}
-
-std::string at_byte(std::uint64_t offset) {
-  return "byte " + std::to_string(offset);
 }
 
 }  // namespace
@@ -77,36 +68,20 @@ Result<void> ContainerWriter::finish(const BlockRef& directory) {
   return file_.commit();
 }
 
-Result<ContainerKind> ContainerReader::begin(const std::filesystem::path& path) {
-  path_ = path;
-  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe is refused, not waited for
-  struct stat status {};
-  if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0)
-    return fail(errno == ENOENT ? ErrorCode::not_found : ErrorCode::io, path.string(), "",
-                std::strerror(errno));
-  if (!S_ISREG(status.st_mode))
-    return fail(ErrorCode::invalid_input, path.string(), "", "not a regular file");
-  file_bytes_ = static_cast<std::uint64_t>(status.st_size);
-  std::array<std::byte, header_bytes> bytes{};
-  const ssize_t got = ::pread(descriptor_, bytes.data(), bytes.size(), 0);
-  if (got < 0) return fail(ErrorCode::io, path.string(), at_byte(0), std::strerror(errno));
-  if (static_cast<std::size_t>(got) < magic.size() ||
-      std::memcmp(bytes.data(), magic.data(), magic.size()) != 0)
-    return fail(ErrorCode::corrupt, path.string(), at_byte(0),
-                "not a .cuesta file: it does not begin with CUESTA");
-  if (static_cast<std::size_t>(got) < header_bytes)
-    return fail(ErrorCode::corrupt, path.string(), at_byte(static_cast<std::uint64_t>(got)),
-                "the header is cut off");
-  return read_header(bytes);
-}
-
 /// The version is looked at first: what else a later one has in its header is not known.
-Result<ContainerKind> ContainerReader::read_header(std::span<const std::byte> bytes) {
-  ByteReader r(bytes.subspan(magic.size()));
+Result<ContainerKind> ContainerReader::read_header() {
+  const std::string& file = path().native();
+  std::array<std::byte, header_bytes> bytes{};
+  const std::size_t got = std::min<std::uint64_t>(file_bytes(), header_bytes);
+  if (auto r = source_->read_at(0, std::span(bytes).first(got)); !r) return fail(r.error());
+  if (got < magic.size() || std::memcmp(bytes.data(), magic.data(), magic.size()) != 0)
+    return fail(ErrorCode::corrupt, file, at_byte(0), "not a .cuesta file: it does not begin with CUESTA");
+  if (got < header_bytes) return fail(ErrorCode::corrupt, file, at_byte(got), "the header is cut off");
+  ByteReader r(std::span<const std::byte>(bytes).subspan(magic.size()));
   const auto version = r.get<std::uint32_t>();
   constexpr auto newest = container_version(ContainerKind::scene);
   if (version == 0 || version > newest)
-    return fail(ErrorCode::unsupported_version, path_.string(), at_byte(8),
+    return fail(ErrorCode::unsupported_version, file, at_byte(8),
                 "format version " + std::to_string(version) + ", this program reads versions up to " +
                     std::to_string(newest));
   r.get<std::uint32_t>();
@@ -115,73 +90,53 @@ Result<ContainerKind> ContainerReader::read_header(std::span<const std::byte> by
   directory_.checksum = r.get<std::uint64_t>();
   whole_bytes_ = r.get<std::uint64_t>();
   const auto kind = r.get<ContainerKind>();
-  if (r.get<std::uint64_t>() != checksum(bytes.first(56)))
-    return fail(ErrorCode::corrupt, path_.string(), at_byte(0), "the header's checksum does not match");
+  if (r.get<std::uint64_t>() != checksum(std::span<const std::byte>(bytes).first(56)))
+    return fail(ErrorCode::corrupt, file, at_byte(0), "the header's checksum does not match");
   if (version == container_version(ContainerKind::surface)) return ContainerKind::surface;
   if (kind == ContainerKind::scene) return kind;
-  return fail(ErrorCode::unsupported_version, path_.string(), at_byte(48),
+  return fail(ErrorCode::unsupported_version, file, at_byte(48),
               "holds something that this program does not know");
 }
 
 Result<ContainerKind> ContainerReader::kind_of(const std::filesystem::path& path) {
-  return ContainerReader().begin(path);
+  auto file = open_local_file(path);
+  if (!file) return fail(file.error());
+  return ContainerReader(std::move(*file)).read_header();
 }
 
 Result<ContainerReader> ContainerReader::open(const std::filesystem::path& path, ContainerKind wanted) {
-  ContainerReader reader;
-  const auto kind = reader.begin(path);
+  auto file = open_local_file(path);
+  if (!file) return fail(file.error());
+  return open(std::move(*file), wanted);
+}
+
+Result<ContainerReader> ContainerReader::open(std::shared_ptr<const ByteSource> source,
+                                              ContainerKind wanted) {
+  ContainerReader reader(std::move(source));
+  const std::string& file = reader.path().native();
+  const auto kind = reader.read_header();
   if (!kind) return fail(kind.error());
   if (*kind != wanted)
-    return fail(ErrorCode::invalid_input, path.string(), "",
+    return fail(ErrorCode::invalid_input, file, "",
                 wanted == ContainerKind::surface
                     ? "holds a scene of many parts, and a single surface is needed here"
                     : "holds a single surface, and a scene of many parts is needed here");
-  const bool may_be_cut = wanted == ContainerKind::scene && reader.file_bytes_ < reader.whole_bytes_;
-  if (reader.whole_bytes_ != reader.file_bytes_ && !may_be_cut)
-    return fail(ErrorCode::corrupt, path.string(), at_byte(40),
+  const bool may_be_cut = wanted == ContainerKind::scene && reader.file_bytes() < reader.whole_bytes_;
+  if (reader.whole_bytes_ != reader.file_bytes() && !may_be_cut)
+    return fail(ErrorCode::corrupt, file, at_byte(40),
                 "expected " + std::to_string(reader.whole_bytes_) + " bytes, found " +
-                    std::to_string(reader.file_bytes_) + ": the file was cut off or appended to");
+                    std::to_string(reader.file_bytes()) + ": the file was cut off or appended to");
   return reader;
 }
 
-ContainerReader::ContainerReader(ContainerReader&& other) noexcept
-    : path_(std::move(other.path_)),
-      descriptor_(std::exchange(other.descriptor_, -1)),
-      directory_(other.directory_),
-      file_bytes_(other.file_bytes_),
-      whole_bytes_(other.whole_bytes_) {}
-
-ContainerReader& ContainerReader::operator=(ContainerReader&& other) noexcept {
-  std::swap(path_, other.path_);
-  std::swap(descriptor_, other.descriptor_);
-  std::swap(directory_, other.directory_);
-  std::swap(file_bytes_, other.file_bytes_);
-  std::swap(whole_bytes_, other.whole_bytes_);
-  return *this;
-}
-
-ContainerReader::~ContainerReader() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
-
 Result<std::vector<std::byte>> ContainerReader::read(const BlockRef& block) const {
-  if (block.offset > file_bytes_ || block.bytes > file_bytes_ - block.offset)
-    return fail(ErrorCode::corrupt, path_.string(), at_byte(block.offset),
+  if (block.offset > file_bytes() || block.bytes > file_bytes() - block.offset)
+    return fail(ErrorCode::corrupt, path().string(), at_byte(block.offset),
                 "a block lies beyond the end of the file");
   std::vector<std::byte> bytes(block.bytes);
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t n = ::pread(descriptor_, bytes.data() + done, bytes.size() - done,
-                              static_cast<off_t>(block.offset + done));
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return fail(ErrorCode::io, path_.string(), at_byte(block.offset + done), std::strerror(errno));
-    if (n == 0)
-      return fail(ErrorCode::corrupt, path_.string(), at_byte(block.offset + done),
-                  "the file was cut off while open");
-    done += static_cast<std::size_t>(n);
-  }
+  if (auto r = source_->read_at(block.offset, bytes); !r) return fail(r.error());
   if (checksum(bytes) != block.checksum)
-    return fail(ErrorCode::corrupt, path_.string(), at_byte(block.offset),
+    return fail(ErrorCode::corrupt, path().string(), at_byte(block.offset),
                 "a block of " + std::to_string(block.bytes) + " bytes does not match its checksum");
   return bytes;
 }

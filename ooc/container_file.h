@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "ooc/atomic_file.h"
+#include "ooc/byte_source.h"
 #include "ooc/result.h"
 
 namespace cuesta {
@@ -68,36 +69,33 @@ class ContainerWriter {
   ContainerKind kind_;
 };
 
-/// Concurrent reads are safe: every read is a positioned one.
+/// Concurrent reads are safe where the source's are: every read is a positioned one.
 class ContainerReader {
  public:
   /// A scene that was cut off is opened, too; its blocks beyond the end are errors.
   /// @error not_found, io; corrupt (not a .cuesta file, a truncated surface, damaged header);
   /// unsupported_version; invalid_input: it is of the other kind.
   static Result<ContainerReader> open(const std::filesystem::path& path, ContainerKind wanted);
+  /// @param source  shared with whoever delivers its bytes.   @error as above, of the source.
+  static Result<ContainerReader> open(std::shared_ptr<const ByteSource> source, ContainerKind wanted);
   /// What the file says that it holds; only its header is read. @error as open()
   static Result<ContainerKind> kind_of(const std::filesystem::path& path);
-  ContainerReader(ContainerReader&&) noexcept;
-  ContainerReader& operator=(ContainerReader&&) noexcept;
-  ~ContainerReader();
 
-  /// Reads and checks a block. @error io; corrupt when it lies outside the file or its checksum differs.
+  /// Reads and checks a block. @error of the source; corrupt when it lies outside the file or its checksum
+  /// differs.
   Result<std::vector<std::byte>> read(const BlockRef& block) const;
   const BlockRef& directory() const { return directory_; }
-  std::uint64_t file_bytes() const { return file_bytes_; }
+  std::uint64_t file_bytes() const { return source_->size(); }
   /// Bytes that the whole file has.
   std::uint64_t whole_bytes() const { return whole_bytes_; }
-  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& path() const { return source_->path(); }
 
  private:
-  ContainerReader() = default;
-  /// Opens the file and reads its header. @return the kind
-  Result<ContainerKind> begin(const std::filesystem::path& path);
-  Result<ContainerKind> read_header(std::span<const std::byte> bytes);
-  std::filesystem::path path_;
-  int descriptor_ = -1;
+  explicit ContainerReader(std::shared_ptr<const ByteSource> source) : source_(std::move(source)) {}
+  Result<ContainerKind> read_header();
+  std::shared_ptr<const ByteSource> source_;
   BlockRef directory_;
-  std::uint64_t file_bytes_ = 0, whole_bytes_ = 0;
+  std::uint64_t whole_bytes_ = 0;
 };
 
 }  // namespace cuesta
