@@ -16,6 +16,23 @@ constexpr std::uint64_t triangle_block_bytes = std::uint64_t{GeometryPool::block
 /// The last number names nothing, so that handles · 4 + 3 and slots fit 32 bits.
 constexpr std::uint64_t most_blocks = (std::uint64_t{1} << 30) / GeometryPool::block - 1;
 
+/// The most blocks that any choice of pages has within the budget, but for parts of a page: those with the most blocks for
+/// what they are charged come first. (Sums of 10^6 pages, once.)
+std::uint32_t most_blocks_within(std::vector<std::pair<std::uint64_t, std::uint64_t>> blocks_and_charges,
+                                        std::uint64_t budget_bytes) {
+  std::sort(blocks_and_charges.begin(), blocks_and_charges.end(), [](const auto& a, const auto& b) {
+    return static_cast<double>(a.first) * static_cast<double>(b.second) >
+           static_cast<double>(b.first) * static_cast<double>(a.second);
+  });
+  std::uint64_t blocks = 0;
+  for (const auto& [count, charge] : blocks_and_charges) {
+    blocks += count;
+    if (charge >= budget_bytes) break;
+    budget_bytes -= charge;
+  }
+  return static_cast<std::uint32_t>(std::min(blocks, most_blocks));
+}
+
 void append(std::vector<Range>& ranges, Range r) {
   if (!ranges.empty() && ranges.back().first + ranges.back().count == r.first)
     ranges.back().count += r.count;
@@ -74,15 +91,15 @@ std::uint64_t GeometryPool::page_bytes(std::uint32_t vertices, std::uint32_t tri
          blocks_of(triangles) * triangle_block_bytes;
 }
 
-GeometryPool::Capacity GeometryPool::capacity_for(const Directory& directory, std::uint64_t budget_bytes) {
-  std::uint64_t vertex_blocks = 0, triangle_blocks = 0;
-  for (const PageEntry& e : directory.pages) {
-    vertex_blocks += blocks_of(e.owned_vertices);
-    triangle_blocks += blocks_of(e.owned_triangles);
+GeometryPool::Capacity GeometryPool::capacity_for(const Directory& directory, std::uint64_t budget_bytes,
+                                                  std::span<const std::uint64_t> charges) {
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> vertices, triangles;
+  for (std::size_t id = 0; id < charges.size(); ++id) {
+    vertices.emplace_back(blocks_of(directory.pages[id].owned_vertices), charges[id]);
+    triangles.emplace_back(blocks_of(directory.pages[id].owned_triangles), charges[id]);
   }
-  return {static_cast<std::uint32_t>(std::min({vertex_blocks, budget_bytes / vertex_block_bytes, most_blocks})),
-          static_cast<std::uint32_t>(
-              std::min({triangle_blocks, budget_bytes / triangle_block_bytes, most_blocks}))};
+  return {most_blocks_within(std::move(vertices), budget_bytes),
+          most_blocks_within(std::move(triangles), budget_bytes)};
 }
 
 GeometryPool::GeometryPool(Capacity capacity, bool texcoords)

@@ -63,7 +63,9 @@ class GeometryPool {
   /// Bytes of the pool that a page takes.
   static std::uint64_t page_bytes(std::uint32_t vertices, std::uint32_t triangles, bool texcoords);
   /// Enough for every page of a file, and not more than `budget_bytes` can hold.
-  static Capacity capacity_for(const Directory& directory, std::uint64_t budget_bytes);
+  /// @param charges  bytes of the budget that each page takes at least: no more pages than they allow have room.
+  static Capacity capacity_for(const Directory& directory, std::uint64_t budget_bytes,
+                               std::span<const std::uint64_t> charges);
 
   /// Reserves address space for all of the capacity; memory is taken when it is first written.
   GeometryPool(Capacity capacity, bool texcoords);

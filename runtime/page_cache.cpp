@@ -16,20 +16,25 @@ std::uint64_t expected_table_bytes(const PageEntry& e) {
          std::uint64_t{e.owned_vertices} * 70 + 4096;
 }
 
+std::vector<std::uint64_t> charges_of(const Directory& directory) {
+  std::vector<std::uint64_t> charges;
+  for (const PageEntry& e : directory.pages)
+    charges.push_back(expected_table_bytes(e) +
+                      GeometryPool::page_bytes(e.owned_vertices, e.owned_triangles, directory.has_texcoords));
+  return charges;
+}
+
 }  // namespace
 
-PageCache::PageCache(CuestaFile file, std::uint64_t budget_bytes, std::uint32_t load_threads)
+PageCache::PageCache(CuestaFile file, std::uint64_t budget_bytes, const MakePageLoader& make_loader)
     : file_(std::move(file)),
       budget_bytes_(budget_bytes),
-      load_threads_(load_threads),
-      pool_(GeometryPool::capacity_for(directory(), budget_bytes), directory().has_texcoords),
-      loader_(make_page_loader(file_, pool_, load_threads)) {
+      charge_(charges_of(directory())),
+      pool_(GeometryPool::capacity_for(directory(), budget_bytes, charge_), directory().has_texcoords),
+      loader_(make_loader(file_, pool_)) {
   const auto& entries = directory().pages;
   pages_.resize(entries.size());
   state_.assign(entries.size(), State::absent);
-  for (const PageEntry& e : entries)
-    charge_.push_back(expected_table_bytes(e) +
-                      GeometryPool::page_bytes(e.owned_vertices, e.owned_triangles, directory().has_texcoords));
   link_finer();
 }
 
@@ -46,8 +51,8 @@ void PageCache::link_finer() {
 }
 
 Result<std::unique_ptr<PageCache>> PageCache::open(CuestaFile file, std::uint64_t budget_bytes,
-                                                   std::uint32_t load_threads) {
-  std::unique_ptr<PageCache> cache(new PageCache(std::move(file), budget_bytes, load_threads));
+                                                   const MakePageLoader& make_loader) {
+  std::unique_ptr<PageCache> cache(new PageCache(std::move(file), budget_bytes, make_loader));
   if (auto r = cache->load_base(); !r) return fail(r.error());
   return cache;
 }

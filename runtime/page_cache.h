@@ -31,7 +31,13 @@ class PageCache {
   /// @param load_threads  that read and decode; 0: requests are carried out at once, on the caller's thread.
   /// @error of reading the base page; out_of_budget when it alone is larger than `budget_bytes`.
   static Result<std::unique_ptr<PageCache>> open(CuestaFile file, std::uint64_t budget_bytes,
-                                                 std::uint32_t load_threads = 0);
+                                                 std::uint32_t load_threads = 0) {
+    return open(std::move(file), budget_bytes, page_loader(load_threads));
+  }
+  /// @param make_loader  of what brings the pages. The base page must be done when its request has been
+  /// waited for.
+  static Result<std::unique_ptr<PageCache>> open(CuestaFile file, std::uint64_t budget_bytes,
+                                                 const MakePageLoader& make_loader);
 
   const Directory& directory() const { return file_.directory(); }
   GeometryPool& pool() { return pool_; }
@@ -56,7 +62,7 @@ class PageCache {
   std::uint32_t on_their_way() const { return on_their_way_; }
   /// True if the page is neither there, on its way nor unreadable, and all that it leans on are there.
   bool requestable(PageId id) const;
-  bool loads_inline() const { return load_threads_ == 0; }
+  bool loads_inline() const { return loader_->is_inline(); }
   bool busy() const { return on_their_way_ >= loader_->width(); }
   /// Marks a resident page as wanted in this frame: not evicted while it is.
   void want(PageId id, std::uint64_t frame) { pages_[id]->last_wanted = frame; }
@@ -80,7 +86,7 @@ class PageCache {
  private:
   enum class State : std::uint8_t { absent, on_its_way, resident, failed };
 
-  PageCache(CuestaFile file, std::uint64_t budget_bytes, std::uint32_t load_threads);
+  PageCache(CuestaFile file, std::uint64_t budget_bytes, const MakePageLoader& make_loader);
   void link_finer();
   Result<void> load_base();
   bool make_room(PageId id, std::uint64_t keep_since);
@@ -93,11 +99,10 @@ class PageCache {
 
   CuestaFile file_;
   std::uint64_t budget_bytes_;
-  std::uint32_t load_threads_;
+  std::vector<std::uint64_t> charge_;
   GeometryPool pool_;
   std::vector<std::unique_ptr<ResidentPage>> pages_;
   std::vector<State> state_;
-  std::vector<std::uint64_t> charge_;
   std::vector<std::uint32_t> first_finer_;
   std::vector<PageId> finer_;
   std::vector<PageId> resident_ids_;
