@@ -83,8 +83,8 @@ void AdaptReport::add_work_of(const AdaptReport& earlier) {
 }
 
 Result<std::unique_ptr<Cut>> Cut::open(CuestaFile file, std::uint64_t cache_bytes, Clock clock,
-                                       std::uint32_t load_threads) {
-  auto cache = PageCache::open(std::move(file), cache_bytes, load_threads);
+                                       const MakePageLoader& make_loader) {
+  auto cache = PageCache::open(std::move(file), cache_bytes, make_loader);
   if (!cache) return fail(cache.error());
   return std::unique_ptr<Cut>(new Cut(std::move(*cache), std::move(clock)));
 }

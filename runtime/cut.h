@@ -71,7 +71,12 @@ class Cut {
   /// Opens with the coarsest cut, the base page resident.
   /// @param load_threads  that read and decode pages; 0: adapt() does it, and waits for it.   @error as PageCache::open.
   static Result<std::unique_ptr<Cut>> open(CuestaFile file, std::uint64_t cache_bytes, Clock clock,
-                                           std::uint32_t load_threads = 0);
+                                           std::uint32_t load_threads = 0) {
+    return open(std::move(file), cache_bytes, std::move(clock), page_loader(load_threads));
+  }
+  /// @param make_loader  as PageCache::open.
+  static Result<std::unique_ptr<Cut>> open(CuestaFile file, std::uint64_t cache_bytes, Clock clock,
+                                           const MakePageLoader& make_loader);
 
   /// Refines and coarsens until every substitution with sse > `tau` is undone and every other applied, or a
   /// budget binds. Coarsens by rising sse, refines by falling sse, so wherever it stops the cut is legal. Where the

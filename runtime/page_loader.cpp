@@ -27,8 +27,10 @@ Result<std::unique_ptr<ResidentPage>> read_and_replay(const CuestaFile& file, Ge
   return resident;
 }
 
+}  // namespace
+
 /// Memory that the machine refuses costs a page, not the program.
-LoadedPage load(const CuestaFile& file, GeometryPool& pool, const PageRequest& r) {
+LoadedPage load_page(const CuestaFile& file, GeometryPool& pool, const PageRequest& r) {
   try {
     return {r.id, r.run, read_and_replay(file, pool, r)};
   } catch (const std::bad_alloc&) {
@@ -38,10 +40,12 @@ LoadedPage load(const CuestaFile& file, GeometryPool& pool, const PageRequest& r
   }
 }
 
+namespace {
+
 class InlineLoader : public PageLoader {
  public:
   InlineLoader(const CuestaFile& file, GeometryPool& pool) : file_(file), pool_(pool) {}
-  void request(PageRequest request) override { done_.push_back(load(file_, pool_, request)); }
+  void request(PageRequest request) override { done_.push_back(load_page(file_, pool_, request)); }
   std::optional<LoadedPage> finished() override {
     if (done_.empty()) return {};
     LoadedPage page = std::move(done_.front());
@@ -50,6 +54,7 @@ class InlineLoader : public PageLoader {
   }
   void wait() override {}
   std::uint32_t width() const override { return 1; }
+  bool is_inline() const override { return true; }
 
  private:
   const CuestaFile& file_;
@@ -69,7 +74,8 @@ void yield_to_frames() {
 
 class ThreadedLoader : public PageLoader {
  public:
-  ThreadedLoader(const CuestaFile& file, GeometryPool& pool, std::uint32_t threads) : file_(file), pool_(pool) {
+  ThreadedLoader(const CuestaFile& file, GeometryPool& pool, std::uint32_t threads)
+      : file_(file), pool_(pool) {
     for (std::uint32_t i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
   }
   ~ThreadedLoader() override {
@@ -117,7 +123,7 @@ class ThreadedLoader : public PageLoader {
       const PageRequest request = std::move(queue_.front());
       queue_.pop_front();
       lock.unlock();
-      LoadedPage page = load(file_, pool_, request);
+      LoadedPage page = load_page(file_, pool_, request);
       lock.lock();
       done_.push_back(std::move(page));
       ready_.notify_all();
@@ -139,12 +145,13 @@ class ThreadedLoader : public PageLoader {
 
 }  // namespace
 
-std::unique_ptr<PageLoader> make_page_loader(const CuestaFile& file, GeometryPool& pool, std::uint32_t threads) {
+MakePageLoader page_loader([[maybe_unused]] std::uint32_t threads) {
+  return [=](const CuestaFile& file, GeometryPool& pool) -> std::unique_ptr<PageLoader> {
 #ifndef __EMSCRIPTEN__
-  if (threads > 0) return std::make_unique<ThreadedLoader>(file, pool, threads);
+    if (threads > 0) return std::make_unique<ThreadedLoader>(file, pool, threads);
 #endif
-  (void)threads;
-  return std::make_unique<InlineLoader>(file, pool);
+    return std::make_unique<InlineLoader>(file, pool);
+  };
 }
 
 }  // namespace cuesta

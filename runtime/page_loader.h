@@ -2,6 +2,7 @@
 /// Reads, decodes and replays pages, off the frame's thread or, where there are no threads, on it.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -36,10 +37,18 @@ class PageLoader {
   virtual void wait() = 0;
   /// Requests that it takes before they only queue.
   virtual std::uint32_t width() const = 0;
+  /// True if request() does it all, on the caller's time.
+  virtual bool is_inline() const { return false; }
 };
 
-/// @param file, pool  outlive the loader.
+/// Reads, decodes and replays one page: what any loader does. Memory that the machine refuses is the page's
+/// error.
+LoadedPage load_page(const CuestaFile& file, GeometryPool& pool, const PageRequest& request);
+
+/// Makes the loader of an open file, which outlives it with its pool.
+using MakePageLoader = std::function<std::unique_ptr<PageLoader>(const CuestaFile& file, GeometryPool& pool)>;
+
 /// @param threads  that read and decode; 0: request() does it all.
-std::unique_ptr<PageLoader> make_page_loader(const CuestaFile& file, GeometryPool& pool, std::uint32_t threads);
+MakePageLoader page_loader(std::uint32_t threads);
 
 }  // namespace cuesta
