@@ -15,11 +15,11 @@ uniform vec2 focal;
 uniform float near_units;
 uniform vec3 surface_colour;  // linear
 
-out Surface {
+INTERFACE(out, Surface, {
   vec3 position;  // camera frame, grid units
   vec3 normal;    // camera frame; zero: none
   vec3 colour;    // linear
-} surface;
+}, surface);
 
 uniform int relief_kind;  // relief_uniforms.h
 uniform mat3 relief_to_radii;
@@ -33,11 +33,11 @@ uniform float exaggeration;
 uniform float unit;  // world units per grid unit
 uniform float sea_level;  // world units
 
-out Place {
+INTERFACE(out, Place, {
   vec3 up;    // camera frame
   vec3 north;
   float height;  // above the sea, world units
-} place;
+}, place);
 #endif
 
 /// Up and height, grid units, of a point at d from the eye (Relief::height).
@@ -124,22 +124,22 @@ void main() {
 )";
 
 constexpr const char* fragment_text = R"(
-in Surface {
+INTERFACE(in, Surface, {
   vec3 position;
   vec3 normal;
   vec3 colour;
-} surface;
+}, surface);
 
 uniform float near_units;
 uniform vec3 key_direction;   // camera frame, unit, towards the light
 uniform vec3 fill_direction;
 
 #ifdef RELIEF
-in Place {
+INTERFACE(in, Place, {
   vec3 up;
   vec3 north;
   float height;
-} place;
+}, place);
 
 uniform float shore;       // world units above the sea: up to it, it is sea
 uniform float sea_floor;   // <= 0
@@ -290,11 +290,11 @@ void main() {
 )";
 
 constexpr const char* page_number_text = R"(
-in Surface {
+INTERFACE(in, Surface, {
   vec3 position;
   vec3 normal;
   vec3 colour;
-} surface;
+}, surface);
 
 uniform float near_units;
 uniform int page;
@@ -309,8 +309,19 @@ void main() {
 }
 )";
 
-std::string head_of(bool fragment_depth) {
-  return std::string("#version 330 core\n") + (fragment_depth ? "#define FRAGMENT_DEPTH\n" : "");
+// OpenGL ES 3.0 has no blocks between its two stages, but structures; geometry shaders need blocks.
+constexpr const char* core_head = R"(#version 330 core
+#define INTERFACE(way, Name, members, name) way Name members name
+)";
+constexpr const char* es_head = R"(#version 300 es
+precision highp float;
+precision highp int;
+#define INTERFACE(way, Name, members, name) struct Name members; way Name name
+)";
+
+std::string head_of(bool fragment_depth, ShaderDialect dialect = ShaderDialect::core_330) {
+  return std::string(dialect == ShaderDialect::core_330 ? core_head : es_head) +
+         (fragment_depth ? "#define FRAGMENT_DEPTH\n" : "");
 }
 
 }  // namespace
@@ -320,8 +331,8 @@ ShaderSources page_number_shaders(bool fragment_depth) {
   return {head + vertex_text, "", head + page_number_text};
 }
 
-ShaderSources surface_shaders(Shading shading, bool fragment_depth) {
-  std::string head = head_of(fragment_depth);
+ShaderSources surface_shaders(Shading shading, bool fragment_depth, ShaderDialect dialect) {
+  std::string head = head_of(fragment_depth, dialect);
   if (shading == Shading::normals) head += "#define NORMALS\n";
   if (shading == Shading::wireframe) head += "#define WIREFRAME\n";
   if (shading == Shading::changes) head += "#define CHANGES\n";
