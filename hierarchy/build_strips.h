@@ -25,7 +25,7 @@ struct StripOptions {
 /// their first
 ///         active ancestors, are distinct, each as often as it comes, not turned over.
 /// @pre 1 ≤ base_resolution ≤ substitute.size(); at most 2^26 triangles.
-/// @cost about 1 µs per triangle; 100 bytes per triangle for a while.
+/// @cost about 1.5 µs per triangle; 100 bytes per triangle for a while.
 StripMesh build_strips(std::span<const Triangle> triangles, std::span<const std::uint32_t> substitute,
                        std::uint32_t base_resolution, const StripOptions& options = {});
 
