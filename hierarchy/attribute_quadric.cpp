@@ -43,8 +43,8 @@ AttributeQuadricFairness::AttributeQuadricFairness(const SubstitutionKernel& ker
       if (kernel.corners(t)[0] == p) add_triangle(t);
 }
 
-AttributeQuadricFairness::Numbers AttributeQuadricFairness::numbers_of(const SurfaceMesh& mesh, std::uint32_t v,
-                                                                       double scale) const {
+AttributeQuadricFairness::Numbers AttributeQuadricFairness::numbers_of(const SurfaceMesh& mesh,
+                                                                       std::uint32_t v, double scale) const {
   Numbers n{};
   if (!mesh.normals.empty())
     for (int i = 0; i < 3; ++i) n[static_cast<std::size_t>(i)] = scale * mesh.normals[v][i];
@@ -91,9 +91,10 @@ void AttributeQuadricFairness::add_triangle(TriangleId t) {
   }
 }
 
-/// Wedges of u that share no triangle with v have no place to go to: such a substitution is not legal, and what
-/// it costs does not matter.
-void AttributeQuadricFairness::costs(PointId u, std::span<const PointId> targets, std::span<float> out) const {
+/// Wedges of u that share no triangle with v have no place to go to: such a substitution is not legal, and
+/// what it costs does not matter.
+void AttributeQuadricFairness::costs(PointId u, std::span<const PointId> targets,
+                                     std::span<float> out) const {
   const auto at = kernel_.positions();
   for (std::size_t i = 0; i < targets.size(); ++i) {
     const PointId v = targets[i];

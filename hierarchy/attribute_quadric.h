@@ -1,7 +1,8 @@
 #pragma once
-/// Quadrics of attributes: how far normals, colours and texture coordinates of a surface are from those that it
-/// would have after a substitution. Source: Hoppe, "New quadric metric for simplifying meshes with appearance
-/// attributes", IEEE Visualization 1999, §3; kept about the vertex's own position, as quadric.h is.
+/// Quadrics of attributes: how far normals, colours and texture coordinates of a surface are from those that
+/// it would have after a substitution. Source: Hoppe, "New quadric metric for simplifying meshes with
+/// appearance attributes", IEEE Visualization 1999, §3; kept about the vertex's own position, as quadric.h
+/// is.
 
 #include <array>
 #include <cstdint>
@@ -31,12 +32,12 @@ class AttributeQuadricFairness {
 
  private:
   using Numbers = std::array<double, most_numbers>;
-  /// Over the triangles i that the vertex stands for, with weight w, gradient g of each number k and its value s
-  /// at the vertex's position: what a sum of w (g·d + s - s')² over all k needs.
+  /// Over the triangles i that the vertex stands for, with weight w, gradient g of each number k and its
+  /// value s at the vertex's position: what a sum of w (g·d + s - s')² over all k needs.
   struct Sums {
-    double weight = 0, ss = 0;      ///< Σw; ΣΣ w s²
-    std::array<double, 6> gg{};     ///< ΣΣ w g gᵀ: xx, xy, xz, yy, yz, zz
-    Vec3d gs;                       ///< ΣΣ w g s
+    double weight = 0, ss = 0;   ///< Σw; ΣΣ w s²
+    std::array<double, 6> gg{};  ///< ΣΣ w g gᵀ: xx, xy, xz, yy, yz, zz
+    Vec3d gs;                    ///< ΣΣ w g s
     std::array<Vec3d, most_numbers> g{};
     Numbers s{};
 

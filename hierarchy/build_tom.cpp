@@ -17,7 +17,8 @@ namespace {
 
 /// Below this many triangles for each handle or hole, topology is let go (TomOracle::any_edge).
 constexpr std::uint32_t triangles_per_loop = 12;
-/// Components of this many points go whole as soon as the error allows it; larger ones if nothing else is left.
+/// Components of this many points go whole as soon as the error allows it; larger ones if nothing else is
+/// left.
 constexpr std::uint32_t small_component = 6;
 constexpr std::uint32_t stuck_component = 64;
 
@@ -58,8 +59,8 @@ class Recorder {
     return deviation_weight * deviation * deviation * deviation;
   }
 
-  /// A whole component goes: its points one after the other into the next, the last into v. What is left of it
-  /// meanwhile only adds to the surface that was measured.
+  /// A whole component goes: its points one after the other into the next, the last into v. What is left of
+  /// it meanwhile only adds to the surface that was measured.
   void absorb(std::span<const PointId> members, PointId v) {
     note_error(kernel_.measure_absorption(members, v));
     children_.clear();
@@ -119,7 +120,9 @@ class Simplification {
     greedy_.queue_all();
     for (;;) {
       while (advance()) absorb_now_and_then();
-      if (!(lets_topology_go_ && absorb(stuck_component, never)) && !retry() && !(lets_topology_go_ && loosen())) break;
+      if (!(lets_topology_go_ && absorb(stuck_component, never)) && !retry() &&
+          !(lets_topology_go_ && loosen()))
+        break;
     }
     return recorder_.take();
   }
@@ -128,7 +131,8 @@ class Simplification {
   static constexpr float never = std::numeric_limits<float>::infinity();
 
   bool advance() {
-    if (lets_topology_go_ && !loose_ && kernel_.live_triangles() < std::uint64_t{triangles_per_loop} * kernel_.loops())
+    if (lets_topology_go_ && !loose_ &&
+        kernel_.live_triangles() < std::uint64_t{triangles_per_loop} * kernel_.loops())
       loosen();
     return greedy_.step();
   }
@@ -180,10 +184,10 @@ class Simplification {
 };
 
 template <class Fairness>
-Removals simplify(SubstitutionKernel& kernel, const TomInput& input, const TomOptions& options, Fairness fairness) {
+Removals simplify(SubstitutionKernel& kernel, const TomInput& input, const TomOptions& options,
+                  Fairness fairness) {
   const auto run = [&](auto oracle) {
-    return Simplification(kernel, input.first_vertex, std::move(oracle), std::move(fairness),
-                          options.oracle)
+    return Simplification(kernel, input.first_vertex, std::move(oracle), std::move(fairness), options.oracle)
         .run();
   };
   return options.oracle == TomOracle::pairs
@@ -203,11 +207,13 @@ float attribute_scale(const TomInput& input, float weight) {
 
 Removals simplify(SubstitutionKernel& kernel, const TomInput& input, const SurfaceMesh& mesh,
                   const TomOptions& options) {
-  if (options.fairness == TomFairness::memoryless) return simplify(kernel, input, options, MemorylessFairness(kernel));
-  if (options.fairness == TomFairness::quadric) return simplify(kernel, input, options, QuadricFairness(kernel));
-  return simplify(kernel, input, options,
-                  AttributeQuadricFairness(kernel, mesh, input.source,
-                                           attribute_scale(input, options.attribute_weight)));
+  if (options.fairness == TomFairness::memoryless)
+    return simplify(kernel, input, options, MemorylessFairness(kernel));
+  if (options.fairness == TomFairness::quadric)
+    return simplify(kernel, input, options, QuadricFairness(kernel));
+  return simplify(
+      kernel, input, options,
+      AttributeQuadricFairness(kernel, mesh, input.source, attribute_scale(input, options.attribute_weight)));
 }
 
 /// Removed last, first in the order; what was never removed before all. The wedges of a point stay together.
@@ -218,7 +224,8 @@ std::vector<std::uint32_t> resolution_order(const Removals& removals, std::size_
   order.reserve(vertices);
   for (std::uint32_t v = 0; v < vertices; ++v)
     if (!removed[v]) order.push_back(v);
-  for (auto step = removals.steps.rbegin(); step != removals.steps.rend(); ++step) order.push_back(step->first);
+  for (auto step = removals.steps.rbegin(); step != removals.steps.rend(); ++step)
+    order.push_back(step->first);
   return order;
 }
 
@@ -250,7 +257,8 @@ void take_attributes(Tom& tom, const SurfaceMesh& mesh, const TomInput& input,
 float largest_snap(const SurfaceMesh& mesh, const TomInput& input) {
   double most = 0;
   for (std::size_t v = 0; v < input.source.size(); ++v)
-    most = std::max(most, length(mesh.positions[input.source[v]] - input.grid.world(input.cell.positions[v])));
+    most =
+        std::max(most, length(mesh.positions[input.source[v]] - input.grid.world(input.cell.positions[v])));
   return std::nextafter(static_cast<float>(most), std::numeric_limits<float>::infinity());
 }
 

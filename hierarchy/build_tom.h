@@ -19,17 +19,18 @@ enum class TomOracle : std::uint8_t {
 
 /// What makes one substitution better than another.
 enum class TomFairness : std::uint8_t {
-  quadric,             ///< distance from the planes that the vertex stands for
-  attribute_quadric,   ///< the same with normals, colours and texture coordinates as further dimensions
-  memoryless,          ///< TOM's: change of volume, of area times length, of normals; nothing is remembered
+  quadric,            ///< distance from the planes that the vertex stands for
+  attribute_quadric,  ///< the same with normals, colours and texture coordinates as further dimensions
+  memoryless,         ///< TOM's: change of volume, of area times length, of normals; nothing is remembered
 };
 
 struct TomOptions {
   TomOracle oracle = TomOracle::any_edge;
   TomFairness fairness = TomFairness::memoryless;
-  double pair_threshold = 0;    ///< world units ≥ 0; for TomOracle::pairs
-  double step = 0;              ///< positions become multiples of it, world units; 0 chooses (choose_grid.h)
-  float attribute_weight = 1;   ///< of attribute_quadric: what a change of 1 counts against 1 % of the diagonal
+  double pair_threshold = 0;  ///< world units ≥ 0; for TomOracle::pairs
+  double step = 0;            ///< positions become multiples of it, world units; 0 chooses (choose_grid.h)
+  float attribute_weight =
+      1;  ///< of attribute_quadric: what a change of 1 counts against 1 % of the diagonal
 };
 
 /// What was left out of the input.
@@ -37,7 +38,7 @@ struct TomReport {
   std::uint64_t bad_triangles = 0;         ///< a corner that is not finite
   std::uint64_t degenerate_triangles = 0;  ///< two corners at one place, after snapping
   std::uint64_t unused_vertices = 0;
-  std::uint64_t welded_vertices = 0;       ///< equal to another in place and attributes
+  std::uint64_t welded_vertices = 0;  ///< equal to another in place and attributes
 };
 
 /// Builds the TOM of `mesh`. Pure: the same input and options give the same TOM; many parts can be built in

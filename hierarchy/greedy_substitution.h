@@ -18,11 +18,13 @@ namespace cuesta {
 
 /// Runs until nothing is legal any more. Ties by number of the point: the order is the same everywhere.
 ///
-/// Oracle:   span<const PointId> candidates(PointId u)   what u could go to, valid until the next call of anything
-///           bool legal(PointId u, PointId v)            exactly, now; the kernel can measure and apply it then
-///           void applied(PointId u, PointId v)
+/// Oracle:   span<const PointId> candidates(PointId u)   what u could go to, valid until the next call of
+/// anything
+///           bool legal(PointId u, PointId v)            exactly, now; the kernel can measure and apply it
+///           then void applied(PointId u, PointId v)
 /// Fairness: void costs(PointId u, span<const PointId> targets, span<float> out)   ≥ 0, the lower the better
-///           void applied(PointId u, PointId v, span<const Child>)   after the kernel has applied it to its wedges
+///           void applied(PointId u, PointId v, span<const Child>)   after the kernel has applied it to its
+///           wedges
 /// Apply:    span<const Child> apply(PointId u, PointId v)   measures and applies in the kernel, and records
 ///           float surcharge(PointId u, PointId v)       of a legal one, ≥ 0: for its measured deviation
 template <class Oracle, class Fairness, class Apply>
@@ -76,9 +78,7 @@ class GreedySubstitution {
   static constexpr float parked = std::numeric_limits<float>::infinity();
 
   /// Costs are not negative: their bits are in order.
-  std::uint64_t entry(PointId u) const {
-    return packed(key_[u], u);
-  }
+  std::uint64_t entry(PointId u) const { return packed(key_[u], u); }
   void push(PointId u, float key) {
     key_[u] = key;
     heap_.push_back(entry(u));
@@ -94,7 +94,9 @@ class GreedySubstitution {
   static std::uint64_t packed(float cost, PointId p) {
     return std::uint64_t{std::bit_cast<std::uint32_t>(cost)} << 32 | p;
   }
-  static float cost_of(std::uint64_t packed) { return std::bit_cast<float>(static_cast<std::uint32_t>(packed >> 32)); }
+  static float cost_of(std::uint64_t packed) {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(packed >> 32));
+  }
 
   /// All candidates of u with their costs, the cheapest last.
   void evaluate(PointId u) {

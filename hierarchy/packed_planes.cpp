@@ -19,7 +19,8 @@ constexpr std::uint64_t most_ratio = 65536;
 Result<StoredPlane> stored_plane(ByteReader& r) {
   const std::uint64_t raw = r.get_varint();
   const std::uint64_t stored = r.get_varint();
-  if (!r.ok() || stored > r.remaining()) return fail(ErrorCode::corrupt, "", "", "the page ends within a stream");
+  if (!r.ok() || stored > r.remaining())
+    return fail(ErrorCode::corrupt, "", "", "the page ends within a stream");
   return StoredPlane{raw, r.get_bytes(stored)};
 }
 

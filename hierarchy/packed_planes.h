@@ -1,6 +1,6 @@
 #pragma once
-/// Planes as bytes: varint raw bytes, varint stored bytes, then the stored bytes, which are a zstd frame, or the
-/// raw bytes when the two sizes are equal.
+/// Planes as bytes: varint raw bytes, varint stored bytes, then the stored bytes, which are a zstd frame, or
+/// the raw bytes when the two sizes are equal.
 
 #include <cstdint>
 #include <memory>

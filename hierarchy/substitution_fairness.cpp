@@ -56,6 +56,7 @@ MemorylessFairness::Around MemorylessFairness::collect_sides(PointId u) {
 void MemorylessFairness::costs(PointId u, std::span<const PointId> targets, std::span<float> out) {
   const Around before = collect_sides(u);
   const auto at = kernel_.positions();
+  const float area = kernel_.on_border(u) ? border_area_weight : area_weight;
   for (std::size_t first = 0; first < targets.size(); first += lanes) {
     const std::size_t count = std::min(lanes, targets.size() - first);
     Change c{};
@@ -71,7 +72,7 @@ void MemorylessFairness::costs(PointId u, std::span<const PointId> targets, std:
       const float l = length(Vec3f{c.x[k], c.y[k], c.z[k]});
       const Vec3f normal = normalized(Vec3f{c.normal_x[k], c.normal_y[k], c.normal_z[k]});
       const float turn = 1 - std::min(1.0f, dot(before.normal, normal));
-      out[first + k] = c.volume[k] / 6 + l * (area_weight / 2 * std::abs(c.area[k] - before.area) +
+      out[first + k] = c.volume[k] / 6 + l * (area / 2 * std::abs(c.area[k] - before.area) +
                                               inversion_weight * c.turned[k] + normal_weight * l * l * turn);
     }
   }

@@ -30,7 +30,8 @@ class QuadricFairness {
 /// (docs/design-notes.md).
 class MemorylessFairness {
  public:
-  static constexpr float area_weight = 0.3f, inversion_weight = 100, normal_weight = 1;
+  static constexpr float area_weight = 0.3f, border_area_weight = 0.9f, inversion_weight = 100,
+                         normal_weight = 1;
 
   explicit MemorylessFairness(const SubstitutionKernel& kernel) : kernel_(kernel) {}
 

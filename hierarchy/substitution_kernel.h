@@ -71,6 +71,7 @@ class SubstitutionKernel {
   /// The same for points that share no triangle and may be of different components: all triangles around u go
   /// over to v, and only seams, orientation and doubled triangles are looked at. @pre topology is loose
   bool legal_pair(PointId u, PointId v);
+  bool on_border(PointId p) const { return border(p); }
   /// Whether a triangle has both as corners.
   bool adjacent(PointId u, PointId v) const { return edge_triangles(u, v) > 0; }
   /// The vertex that triangle t has at its corner at p.

@@ -11,9 +11,8 @@ namespace {
 std::vector<PointId> along_x(std::span<const Vec3f> at) {
   std::vector<PointId> order(at.size());
   std::iota(order.begin(), order.end(), PointId{0});
-  std::sort(order.begin(), order.end(), [&](PointId a, PointId b) {
-    return at[a].x != at[b].x ? at[a].x < at[b].x : a < b;
-  });
+  std::sort(order.begin(), order.end(),
+            [&](PointId a, PointId b) { return at[a].x != at[b].x ? at[a].x < at[b].x : a < b; });
   return order;
 }
 
@@ -60,7 +59,8 @@ std::span<const PointId> PairOracle::candidates(PointId u) {
   for (PointId& p : partners) p = current(p);
   std::sort(partners.begin(), partners.end());
   partners.erase(std::unique(partners.begin(), partners.end()), partners.end());
-  std::erase_if(partners, [&](PointId p) { return p == u || kernel_.star(p).empty() || kernel_.adjacent(u, p); });
+  std::erase_if(partners,
+                [&](PointId p) { return p == u || kernel_.star(p).empty() || kernel_.adjacent(u, p); });
   const auto around = kernel_.neighbours(u);
   candidates_.assign(around.begin(), around.end());
   candidates_.insert(candidates_.end(), partners.begin(), partners.end());

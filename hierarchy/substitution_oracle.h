@@ -23,8 +23,8 @@ class EdgeOracle {
 };
 
 /// Along edges, and between points of different components that are at most a threshold apart: a pair stays a
-/// candidate for what its points have gone to. Source: TOM §4.1. Deviation: pairs within a component, which join
-/// nothing, are not looked at, and of those of a point only the nearest ones.
+/// candidate for what its points have gone to. Source: TOM §4.1. Deviation: pairs within a component, which
+/// join nothing, are not looked at, and of those of a point only the nearest ones.
 class PairOracle {
  public:
   static constexpr std::size_t most_partners = 8;
@@ -34,7 +34,9 @@ class PairOracle {
 
   /// Without doubles.
   std::span<const PointId> candidates(PointId u);
-  bool legal(PointId u, PointId v) { return kernel_.adjacent(u, v) ? kernel_.legal(u, v) : kernel_.legal_pair(u, v); }
+  bool legal(PointId u, PointId v) {
+    return kernel_.adjacent(u, v) ? kernel_.legal(u, v) : kernel_.legal_pair(u, v);
+  }
   void applied(PointId u, PointId v);
 
  private:

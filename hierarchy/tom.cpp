@@ -9,7 +9,9 @@
 namespace cuesta {
 namespace {
 
-bool degenerate(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
+bool degenerate(const Triangle& t) {
+  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
 
 /// The number of triangles for which `below(triangle_resolution)` holds; these are the first.
 template <class Below>
@@ -26,8 +28,12 @@ bool fits(const std::vector<T>& attribute, std::size_t vertices) {
 }
 
 /// Exact at both ends.
-float mixed(float a, float b, float amount) { return a * (1 - amount) + b * amount; }
-Vec3f mixed(Vec3f a, Vec3f b, float amount) { return a * (1 - amount) + b * amount; }
+float mixed(float a, float b, float amount) {
+  return a * (1 - amount) + b * amount;
+}
+Vec3f mixed(Vec3f a, Vec3f b, float amount) {
+  return a * (1 - amount) + b * amount;
+}
 
 bool substitutes_precede(const Tom& tom) {
   for (std::uint32_t v = 0; v < tom.substitute.size(); ++v)
@@ -60,7 +66,8 @@ bool errors_rise(const Tom& tom) {
 
 }  // namespace
 
-Resolution triangle_resolution(std::span<const std::uint32_t> substitute, Resolution base_vertices, Triangle t) {
+Resolution triangle_resolution(std::span<const std::uint32_t> substitute, Resolution base_vertices,
+                               Triangle t) {
   for (;;) {
     std::uint32_t& last = t[0] > t[1] ? (t[0] > t[2] ? t[0] : t[2]) : (t[1] > t[2] ? t[1] : t[2]);
     if (last < base_vertices) return base_vertices;

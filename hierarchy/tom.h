@@ -43,9 +43,9 @@ struct Tom {
   std::vector<std::uint32_t> substitute;  ///< [v] < v; below base_vertices it is v itself
   std::vector<Triangle> triangles;        ///< original corners, by rising resolution
   std::vector<TomErrorStep> errors;       ///< by falling resolution, rising error
-  float snap_error = 0;                   ///< what moving the input's vertices to multiples of `step` moved at most
-  Resolution base_vertices = 0;           ///< the lowest resolution; 0 only if there are no vertices
-  Box3<float> bounds;                     ///< of all positions; empty without vertices
+  float snap_error = 0;          ///< what moving the input's vertices to multiples of `step` moved at most
+  Resolution base_vertices = 0;  ///< the lowest resolution; 0 only if there are no vertices
+  Box3<float> bounds;            ///< of all positions; empty without vertices
 
   Resolution full() const { return static_cast<Resolution>(positions.size()); }
 };
@@ -60,7 +60,8 @@ inline Triangle active_corners(const Tom& tom, Triangle t, Resolution n) {
 
 /// The lowest resolution at which three corners are different: base_vertices for a triangle of the base mesh.
 /// @cost O(length of the substitution chains), some twenty steps.
-Resolution triangle_resolution(std::span<const std::uint32_t> substitute, Resolution base_vertices, Triangle t);
+Resolution triangle_resolution(std::span<const std::uint32_t> substitute, Resolution base_vertices,
+                               Triangle t);
 
 /// How many triangles there are at resolution n. @cost a binary search over triangle_resolution().
 std::uint32_t triangle_count(const Tom& tom, Resolution n);
@@ -79,7 +80,8 @@ Resolution resolution_of_error(const Tom& tom, float error);
 /// n; add snap_error for the input as it was. Measured while it was simplified: falls as n rises.
 float error_at(const Tom& tom, Resolution n);
 
-/// Writes the triangles of resolution n: indices below n, ready to be drawn with the vertex arrays as they are.
+/// Writes the triangles of resolution n: indices below n, ready to be drawn with the vertex arrays as they
+/// are.
 /// @pre base_vertices ≤ n ≤ full(); out.size() ≥ triangle_count(n)
 /// @return how many were written.
 /// @cost 1 to 3 ns per corner: walks substitution chains. TomCursor is faster, with memory.
@@ -88,12 +90,12 @@ std::uint32_t extract_triangles(const Tom& tom, Resolution n, std::span<Triangle
 /// A vertex between itself and what is to replace it. Source: TOM §3.4.
 struct TomVertex {
   Vec3f position;
-  Vec3f normal;          ///< zero without normals
-  Rgba8 colour{};        ///< zero without colours
+  Vec3f normal;    ///< zero without normals
+  Rgba8 colour{};  ///< zero without colours
   TexCoord texcoord{};
 };
-/// @param amount  0: vertex v itself; 1: its substitute, so that drawing at resolution v instead changes nothing.
-/// The vertices that go in the next step from resolution n are whole_resolution(n - 1) … n - 1.
+/// @param amount  0: vertex v itself; 1: its substitute, so that drawing at resolution v instead changes
+/// nothing. The vertices that go in the next step from resolution n are whole_resolution(n - 1) … n - 1.
 TomVertex geomorph(const Tom& tom, std::uint32_t v, float amount);
 
 /// What the arrays take in memory.
@@ -102,7 +104,8 @@ std::uint64_t size_bytes(const Tom& tom);
 /// The mesh of resolution n, on its own; positions in world units.
 SurfaceMesh surface_at(const Tom& tom, Resolution n);
 
-/// Whether all that is said above of the arrays is so: sizes, order of substitutes, of triangles and of errors.
+/// Whether all that is said above of the arrays is so: sizes, order of substitutes, of triangles and of
+/// errors.
 bool is_consistent(const Tom& tom);
 
 }  // namespace cuesta

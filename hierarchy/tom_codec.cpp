@@ -58,7 +58,8 @@ Vec3i grid_position(const Tom& tom, std::uint32_t v) {
 
 FixedTexCoord fixed(TexCoord t) {
   const auto units = [](float x) {
-    const double u = std::isfinite(x) ? std::clamp(std::round(double{x} * 65536), -2147483648.0, 2147483647.0) : 0;
+    const double u =
+        std::isfinite(x) ? std::clamp(std::round(double{x} * 65536), -2147483648.0, 2147483647.0) : 0;
     return static_cast<std::int32_t>(u);
   };
   return {units(t[0]), units(t[1])};
@@ -95,8 +96,8 @@ class Children {
   std::vector<std::uint32_t> starts_, children_;
 };
 
-/// The steps from `corner`, at resolution r, down to `goal`: 0 to stay, else 1 + the number of the child. Where
-/// there is no child, nothing needs to be said.
+/// The steps from `corner`, at resolution r, down to `goal`: 0 to stay, else 1 + the number of the child.
+/// Where there is no child, nothing needs to be said.
 void put_steps(NumberWriter& w, const Tom& tom, const Children& children, std::uint32_t corner, Resolution r,
                std::uint32_t goal, std::vector<std::uint32_t>& path) {
   path.clear();
@@ -163,10 +164,10 @@ class SegmentEncoder {
     std::vector<TomErrorStep> steps;
     for (const TomErrorStep& s : part_.errors)
       if (s.below > from_ && s.below <= to_) steps.push_back(s);
-    out_.put(codec_version);
-    out_.put(static_cast<std::uint8_t>((from_ == 0 ? flag_first : 0) | (part_.normals.empty() ? 0 : flag_normals) |
-                                       (part_.colours.empty() ? 0 : flag_colours) |
-                                       (part_.texcoords.empty() ? 0 : flag_texcoords)));
+    out_.put_varint(codec_version);  // one byte each
+    out_.put_varint(static_cast<std::uint8_t>(
+        (from_ == 0 ? flag_first : 0) | (part_.normals.empty() ? 0 : flag_normals) |
+        (part_.colours.empty() ? 0 : flag_colours) | (part_.texcoords.empty() ? 0 : flag_texcoords)));
     out_.put(from_);
     out_.put(to_ - from_);
     out_.put(static_cast<std::uint32_t>(part_.triangles.size()) - before);
@@ -188,7 +189,8 @@ class SegmentEncoder {
 
   std::vector<Plane> substitutes() const {
     NumberWriter w(substitute_planes - 1);
-    for (std::uint32_t v = std::max(from_, part_.base_vertices); v < to_; ++v) w.put(0, v - 1 - part_.substitute[v]);
+    for (std::uint32_t v = std::max(from_, part_.base_vertices); v < to_; ++v)
+      w.put(0, v - 1 - part_.substitute[v]);
     return w.take();
   }
   std::vector<Plane> positions() const {
@@ -203,7 +205,8 @@ class SegmentEncoder {
     NumberWriter w(normal_planes - 1);
     for (std::uint32_t v = from_; v < to_; ++v) {
       const OctNormal n = encode_oct(part_.normals[v], normal_bits);
-      const OctNormal guess = v > 0 ? encode_oct(part_.normals[reference(part_, v)], normal_bits) : OctNormal{};
+      const OctNormal guess =
+          v > 0 ? encode_oct(part_.normals[reference(part_, v)], normal_bits) : OctNormal{};
       for (std::size_t i = 0; i < 2; ++i) w.put_signed(i, n[i] - guess[i]);
     }
     return w.take();
@@ -212,7 +215,8 @@ class SegmentEncoder {
     std::vector<Plane> planes(colour_planes);
     for (std::uint32_t v = from_; v < to_; ++v) {
       const Rgba8 guess = v > 0 ? part_.colours[reference(part_, v)] : Rgba8{};
-      for (std::size_t i = 0; i < 4; ++i) planes[i].push_back(static_cast<std::byte>(part_.colours[v][i] - guess[i]));
+      for (std::size_t i = 0; i < 4; ++i)
+        planes[i].push_back(static_cast<std::byte>(part_.colours[v][i] - guess[i]));
     }
     return planes;
   }
@@ -245,7 +249,8 @@ class SegmentEncoder {
       const Triangle start = rotated(now, first), end = rotated(goal, first);
       for (std::size_t i = 0; i < 3; ++i) put_steps(corners, part_, children_, start[i], at, end[i], path_);
     }
-    for (std::uint32_t v = std::max(from_, part_.base_vertices); v < to_; ++v) triangles.put(plane_counts, counts[v]);
+    for (std::uint32_t v = std::max(from_, part_.base_vertices); v < to_; ++v)
+      triangles.put(plane_counts, counts[v]);
   }
 
   /// t[0] is the vertex that comes with the triangle; its substitute is another corner.
@@ -266,7 +271,9 @@ class SegmentEncoder {
 
 // ---- decoding
 
-tl::unexpected<Error> corrupt(std::string what) { return fail(ErrorCode::corrupt, "", "", std::move(what)); }
+tl::unexpected<Error> corrupt(std::string what) {
+  return fail(ErrorCode::corrupt, "", "", std::move(what));
+}
 
 class SegmentDecoder {
  public:
@@ -291,8 +298,9 @@ class SegmentDecoder {
   Result<void> get_head() {
     const auto version = in_.get<std::uint8_t>();
     if (in_.ok() && version != codec_version)
-      return fail(ErrorCode::unsupported_version, "", "",
-                  "TOM codec " + std::to_string(version) + ", this program reads " + std::to_string(codec_version));
+      return fail(
+          ErrorCode::unsupported_version, "", "",
+          "TOM codec " + std::to_string(version) + ", this program reads " + std::to_string(codec_version));
     head_.flags = in_.get<std::uint8_t>();
     for (auto* field : {&head_.before, &head_.vertices, &head_.triangles, &head_.errors})
       *field = in_.get<std::uint32_t>();
@@ -304,13 +312,15 @@ class SegmentDecoder {
     if (head_.has(flag_first) != (head_.before == 0) || head_.flags >= 16 || head_.vertices == 0 ||
         head_.vertices >= kNone - head_.before || head_.triangles > kMaxTriangles - tom_.triangles.size())
       return corrupt("its counts cannot be");
-    if (head_.before == 0 ? !get_frame() : !same_attributes()) return corrupt("its frame or attributes cannot be");
+    if (head_.before == 0 ? !get_frame() : !same_attributes())
+      return corrupt("its frame or attributes cannot be");
     if (!get_errors()) return damaged("errors");
     return {};
   }
 
   bool same_attributes() const {
-    return head_.has(flag_normals) != tom_.normals.empty() && head_.has(flag_colours) != tom_.colours.empty() &&
+    return head_.has(flag_normals) != tom_.normals.empty() &&
+           head_.has(flag_colours) != tom_.colours.empty() &&
            head_.has(flag_texcoords) != tom_.texcoords.empty();
   }
 
@@ -323,8 +333,9 @@ class SegmentDecoder {
     tom_.bounds.hi = in_.get<Vec3f>();
     double sum = tom_.origin.x + tom_.origin.y + tom_.origin.z + tom_.snap_error;
     for (const Vec3f& p : {tom_.bounds.lo, tom_.bounds.hi}) sum += double{p.x} + p.y + p.z;
-    return in_.ok() && std::isfinite(sum) && tom_.step > 0 && tom_.step * most_steps < std::numeric_limits<float>::max() &&
-           tom_.snap_error >= 0 && tom_.base_vertices > 0 && tom_.base_vertices <= head_.vertices;
+    return in_.ok() && std::isfinite(sum) && tom_.step > 0 &&
+           tom_.step * most_steps < std::numeric_limits<float>::max() && tom_.snap_error >= 0 &&
+           tom_.base_vertices > 0 && tom_.base_vertices <= head_.vertices;
   }
 
   bool get_errors() {
@@ -357,7 +368,8 @@ class SegmentDecoder {
   }
 
   bool get_substitutes() {
-    const std::uint32_t to = head_.before + head_.vertices, first = std::max(head_.before, tom_.base_vertices);
+    const std::uint32_t to = head_.before + head_.vertices,
+                        first = std::max(head_.before, tom_.base_vertices);
     if (!get_planes(substitute_planes, head_.vertices) || planes_[0].size() != to - first) return false;
     // The base mesh alone could be large without bytes of its own here.
     if (head_.vertices / 65536 > in_.remaining()) return false;
@@ -413,7 +425,8 @@ class SegmentDecoder {
     for (std::uint32_t i = 0; i < head_.vertices; ++i) {
       const std::uint32_t v = head_.before + i;
       Rgba8 c = v > 0 ? tom_.colours[reference(tom_, v)] : Rgba8{};
-      for (std::size_t k = 0; k < 4; ++k) c[k] = static_cast<std::uint8_t>(c[k] + static_cast<std::uint8_t>(planes_[k][i]));
+      for (std::size_t k = 0; k < 4; ++k)
+        c[k] = static_cast<std::uint8_t>(c[k] + static_cast<std::uint8_t>(planes_[k][i]));
       tom_.colours.push_back(c);
     }
     return true;
@@ -448,7 +461,8 @@ class SegmentDecoder {
     const Children children(tom_, head_.before);
     for (Triangle& t : tom_.triangles)
       if (!refine(corners, children, t, head_.before)) return false;
-    return get_new_triangles(r, corners, children, triangles[plane_base].size()) && r.at_end() && corners.at_end();
+    return get_new_triangles(r, corners, children, triangles[plane_base].size()) && r.at_end() &&
+           corners.at_end();
   }
 
   bool refine(NumberReader& r, const Children& children, Triangle& t, Resolution from) const {
@@ -460,7 +474,8 @@ class SegmentDecoder {
     return true;
   }
 
-  bool get_new_triangles(NumberReader& r, NumberReader& corners, const Children& children, std::size_t base_corners) {
+  bool get_new_triangles(NumberReader& r, NumberReader& corners, const Children& children,
+                         std::size_t base_corners) {
     const std::size_t end = tom_.triangles.size() + head_.triangles;
     if (base_corners > 0 && head_.before > 0) return false;
     for (std::size_t i = 0; i < base_corners; i += 3) {
@@ -478,7 +493,8 @@ class SegmentDecoder {
         const std::uint64_t back = r.get(plane_third);
         if (!r.ok() || back >= v) return false;
         const auto third = static_cast<std::uint32_t>(v - 1 - back);
-        if (!add(corners, children, {v, second ? third : tom_.substitute[v], second ? tom_.substitute[v] : third}, v + 1))
+        if (!add(corners, children,
+                 {v, second ? third : tom_.substitute[v], second ? tom_.substitute[v] : third}, v + 1))
           return false;
       }
     return tom_.triangles.size() == end;

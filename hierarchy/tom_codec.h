@@ -20,13 +20,14 @@ namespace cuesta {
 /// @pre base_vertices ≤ n ≤ full()
 Tom tom_prefix(const Tom& tom, Resolution n);
 
-/// Whole resolutions for segments, rising: from about `first` vertices on, each has `ratio` times as many, the
-/// last is full(). One, if the TOM is small; none without vertices.
+/// Whole resolutions for segments, rising: from about `first` vertices on, each has `ratio` times as many,
+/// the last is full(). One, if the TOM is small; none without vertices.
 std::vector<Resolution> segment_resolutions(const Tom& tom, Resolution first = 1024, std::uint32_t ratio = 4);
 
 /// The segment that brings vertices `from` … `to` - 1.
 /// @param from  0 for the first segment, else where the one before ends
-/// @pre   from < to, base_vertices ≤ to ≤ full(); normals and texture coordinates are what snap_attributes makes
+/// @pre   from < to, base_vertices ≤ to ≤ full(); normals and texture coordinates are what snap_attributes
+/// makes
 std::vector<std::byte> encode_tom_segment(const Tom& tom, Resolution from, Resolution to);
 
 /// Appends a segment to what those before it gave: an empty Tom before the first.

@@ -1,5 +1,6 @@
 #pragma once
-/// Extraction that remembers: the triangles of one TOM at resolutions that mostly differ little from the last.
+/// Extraction that remembers: the triangles of one TOM at resolutions that mostly differ little from the
+/// last.
 
 #include <cstdint>
 #include <span>
@@ -16,8 +17,8 @@ namespace cuesta {
 /// Threads: one at a time; many cursors can be on one TOM.
 class TomCursor {
  public:
-  /// Resolutions of neighbouring rungs are as 2 to the fourth root of 2: at most 16 % of the vertices of a rung
-  /// are above what is asked for.
+  /// Resolutions of neighbouring rungs are as 2 to the fourth root of 2: at most 16 % of the vertices of a
+  /// rung are above what is asked for.
   static constexpr int rungs_per_octave = 4;
 
   /// @param tom  outlives the cursor
@@ -30,15 +31,16 @@ class TomCursor {
   /// How many triangles extract() would write.
   std::uint32_t count(Resolution n);
 
-  /// Calls visit(Triangle) for each of them instead; as fast as reading an index buffer and a look-up for each
-  /// corner.
+  /// Calls visit(Triangle) for each of them instead; as fast as reading an index buffer and a look-up for
+  /// each corner.
   template <class Visit>
   void visit(Resolution n, const Visit& visit) {
     const View view = prepare(n);
     if (view.table == nullptr) {
       for (const Triangle& t : view.corners) visit(t);
     } else {
-      for (const Triangle& t : view.corners) visit(Triangle{view.table[t[0]], view.table[t[1]], view.table[t[2]]});
+      for (const Triangle& t : view.corners)
+        visit(Triangle{view.table[t[0]], view.table[t[1]], view.table[t[2]]});
     }
   }
 
@@ -58,11 +60,11 @@ class TomCursor {
   void fill_table(Resolution n);
 
   const Tom& tom_;
-  Resolution rung_ = 0;                // 0: none yet
-  std::vector<Triangle> corners_;      // at the rung
-  std::vector<std::uint32_t> table_;   // per vertex of the rung, its active ancestor at table_for_
+  Resolution rung_ = 0;               // 0: none yet
+  std::vector<Triangle> corners_;     // at the rung
+  std::vector<std::uint32_t> table_;  // per vertex of the rung, its active ancestor at table_for_
   Resolution table_for_ = 0;
-  Resolution counted_ = 0;             // resolution of count_
+  Resolution counted_ = 0;  // resolution of count_
   std::uint32_t count_ = 0;
 };
 

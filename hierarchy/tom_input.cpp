@@ -14,7 +14,9 @@ namespace {
 /// f32 positions are exact multiples of the step, and differences of any two are, too.
 constexpr double max_steps = 1 << 23;
 
-bool finite(Vec3d p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+bool finite(Vec3d p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
 
 template <class T>
 bool equal_bits(const std::vector<T>& values, std::uint32_t a, std::uint32_t b) {
@@ -60,8 +62,7 @@ class Preparation {
     const std::size_t stride = kept_.size() / kEdgeSampleTriangles + 1;
     for (std::size_t t = 0; t < kept_.size(); t += stride)
       for (std::size_t i = 0; i < 3; ++i)
-        lengths.push_back(
-            length(mesh_.positions[kept_[t][i]] - mesh_.positions[kept_[t][(i + 1) % 3]]));
+        lengths.push_back(length(mesh_.positions[kept_[t][i]] - mesh_.positions[kept_[t][(i + 1) % 3]]));
     return lengths;
   }
 
@@ -137,7 +138,8 @@ class Preparation {
   TomInput input_;
   Box3d box_;
   std::vector<Triangle> kept_;
-  std::vector<std::uint32_t> vertex_;  // per vertex of the mesh: kNone if no triangle uses it, else its number
+  std::vector<std::uint32_t>
+      vertex_;  // per vertex of the mesh: kNone if no triangle uses it, else its number
 };
 
 }  // namespace

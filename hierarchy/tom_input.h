@@ -15,8 +15,8 @@ namespace cuesta {
 struct TomInput {
   Grid grid;
   CellMesh cell;
-  std::vector<std::uint32_t> source;       ///< per vertex of the cell, one of the mesh that it is
-  std::vector<std::uint32_t> first_vertex; ///< per point, and the end
+  std::vector<std::uint32_t> source;        ///< per vertex of the cell, one of the mesh that it is
+  std::vector<std::uint32_t> first_vertex;  ///< per point, and the end
 };
 
 /// @error invalid_input: that of choose_grid(), or more than 2^23 steps.

@@ -78,7 +78,8 @@ TEST(TomCodec, cut_off_at_every_byte) {
   const Tom tom = *build_tom(coloured_vase());
   const Bytes first = encode_tom_segment(tom, 0, 100), second = encode_tom_segment(tom, 100, tom.full());
   Tom read;
-  for (std::size_t n = 0; n < first.size(); ++n) EXPECT_FALSE(decode_tom_segment(std::span(first).first(n), read)) << n;
+  for (std::size_t n = 0; n < first.size(); ++n)
+    EXPECT_FALSE(decode_tom_segment(std::span(first).first(n), read)) << n;
   EXPECT_EQ(read.full(), 0u);
   ASSERT_TRUE(decode_tom_segment(first, read));
   for (std::size_t n = 0; n < second.size(); ++n)

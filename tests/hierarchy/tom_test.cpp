@@ -39,7 +39,8 @@ std::vector<Triangle> extracted(const Tom& tom, Resolution n) {
   return triangles;
 }
 
-/// Edges by position with how often they are run along one way less the other: none where the surface is closed.
+/// Edges by position with how often they are run along one way less the other: none where the surface is
+/// closed.
 std::size_t open_edges(const Tom& tom, Resolution n) {
   std::map<std::pair<Vec3f, Vec3f>, int> balance;
   for (const Triangle& t : extracted(tom, n))
@@ -64,7 +65,8 @@ bool is_manifold_of_euler(const Tom& tom, Resolution n, long euler) {
       points.insert(tom.positions[t[i]]);
       if (!edges.insert({tom.positions[t[i]], tom.positions[t[(i + 1) % 3]]}).second) return false;
     }
-  return static_cast<long>(points.size()) - static_cast<long>(edges.size()) / 2 + static_cast<long>(triangles.size()) ==
+  return static_cast<long>(points.size()) - static_cast<long>(edges.size()) / 2 +
+             static_cast<long>(triangles.size()) ==
          euler;
 }
 
@@ -75,7 +77,8 @@ std::uint32_t components(const Tom& tom, Resolution n) {
     return p;
   };
   for (const Triangle& t : extracted(tom, n))
-    for (std::size_t i = 0; i < 3; ++i) parent[root(tom.positions[t[i]])] = root(tom.positions[t[(i + 1) % 3]]);
+    for (std::size_t i = 0; i < 3; ++i)
+      parent[root(tom.positions[t[i]])] = root(tom.positions[t[(i + 1) % 3]]);
   return static_cast<std::uint32_t>(
       std::count_if(parent.begin(), parent.end(), [](const auto& p) { return p.first == p.second; }));
 }
@@ -122,8 +125,9 @@ TEST(Tom, cursor_extracts_the_same_however_it_moves) {
   Resolution n = tom.full();
   for (int i = 0; i < 600; ++i) {
     // Small steps, and now and then a jump.
-    n = i % 50 == 0 ? static_cast<Resolution>(tom.base_vertices + random() % (tom.full() - tom.base_vertices + 1))
-                    : std::clamp(static_cast<Resolution>(n + random() % 9 - 4), tom.base_vertices, tom.full());
+    n = i % 50 == 0
+            ? static_cast<Resolution>(tom.base_vertices + random() % (tom.full() - tom.base_vertices + 1))
+            : std::clamp(static_cast<Resolution>(n + random() % 9 - 4), tom.base_vertices, tom.full());
     const auto expected = extracted(tom, n);
     ASSERT_EQ(cursor.extract(n, found), expected.size());
     ASSERT_TRUE(std::equal(expected.begin(), expected.end(), found.begin())) << n;
@@ -157,7 +161,8 @@ TEST(Tom, resolutions_are_found_by_triangles_and_by_error) {
 }
 
 TEST(Tom, closed_manifold_stays_one_if_the_oracle_keeps_topology) {
-  const std::pair<SurfaceMesh, long> closed[] = {{bumpy_sphere(9), 2}, {bumpy_torus(18, 12), 0}, {faceted_cube(6), 2}};
+  const std::pair<SurfaceMesh, long> closed[] = {
+      {bumpy_sphere(9), 2}, {bumpy_torus(18, 12), 0}, {faceted_cube(6), 2}};
   for (const TomFairness fairness : {TomFairness::quadric, TomFairness::memoryless})
     for (const auto& [mesh, euler] : closed) {
       const Tom tom = tom_of(mesh, {.oracle = TomOracle::manifold, .fairness = fairness});
@@ -226,7 +231,8 @@ TEST(Tom, geomorph_ends_at_the_coarser_surface) {
     std::multiset<std::array<Vec3f, 3>> flat, expected;
     const auto add = [](auto& to, const Tom& from, const Triangle& t) {
       const Vec3f a = from.positions[t[0]], b = from.positions[t[1]], c = from.positions[t[2]];
-      if (a != b && b != c && c != a) to.insert(std::min({std::array{a, b, c}, std::array{b, c, a}, std::array{c, a, b}}));
+      if (a != b && b != c && c != a)
+        to.insert(std::min({std::array{a, b, c}, std::array{b, c, a}, std::array{c, a, b}}));
     };
     for (const Triangle& t : fine) add(flat, moved, t);
     for (const Triangle& t : coarse) add(expected, tom, t);
@@ -273,7 +279,8 @@ TEST(Tom, flat_patches_stay_flat) {
     const Resolution n = resolution_of_error(tom, 0);
     EXPECT_LT(n, 60u);
     for (const Triangle& t : extracted(tom, n))
-      EXPECT_GT(cross(tom.positions[t[1]] - tom.positions[t[0]], tom.positions[t[2]] - tom.positions[t[0]]).z, 0);
+      EXPECT_GT(cross(tom.positions[t[1]] - tom.positions[t[0]], tom.positions[t[2]] - tom.positions[t[0]]).z,
+                0);
   }
 }
 

@@ -1,5 +1,5 @@
-// cuesta-bench-tom errors|rate|bytes|traversal NAME MESH [CSV]: the tables and figures of the TOM's paper, one
-// row each. cuesta-bench-tom cut MESH TRIANGLES OUT.ply writes a resolution; plot FOLDER draws.
+// cuesta-bench-tom errors|rate|bytes|traversal NAME MESH [CSV]: the tables and figures of the TOM's paper,
+// one row each. cuesta-bench-tom cut MESH TRIANGLES OUT.ply writes a resolution; plot FOLDER draws.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -87,9 +87,10 @@ constexpr PaperRow paper_errors[] = {{34653, 0.0045, 0.474}, {16006, 0.0134, 0.8
 void errors(const std::string& name, const char* path, const char* csv) {
   const SurfaceMesh mesh = geometry_of(path);
   const double diagonal = measure::bounding_diagonal(mesh);
-  Table table(csv,
-              "mesh,fairness,vertices,triangles,mean_percent,most_mean_percent,max_percent,max_from_original_percent,"
-              "most_max_percent,bound_percent");
+  Table table(
+      csv,
+      "mesh,fairness,vertices,triangles,mean_percent,most_mean_percent,max_percent,max_from_original_percent,"
+      "most_max_percent,bound_percent");
   for (const auto& [fairness, words] :
        {std::pair{TomFairness::memoryless, "memoryless"}, std::pair{TomFairness::quadric, "quadric"}}) {
     const Tom tom = tom_of(mesh, {.fairness = fairness});
@@ -97,8 +98,8 @@ void errors(const std::string& name, const char* path, const char* csv) {
       const Resolution n = resolution_of_triangles(tom, paper.triangles);
       const SurfaceMesh cut = surface_at(tom, n);
       const auto d = measure::percent_of(measure::symmetric_distance(mesh, cut), diagonal);
-      table.row(fmt::format("{},{},{},{},{:.5f},{},{:.4f},{:.4f},{},{:.4f}", name, words, n, cut.triangles.size(),
-                            d.mean, paper.mean, d.max, d.forward.max, paper.max,
+      table.row(fmt::format("{},{},{},{},{:.5f},{},{:.4f},{:.4f},{},{:.4f}", name, words, n,
+                            cut.triangles.size(), d.mean, paper.mean, d.max, d.forward.max, paper.max,
                             100 * (error_at(tom, n) + tom.snap_error) / diagonal));
     }
   }
@@ -108,7 +109,8 @@ void errors(const std::string& name, const char* path, const char* csv) {
 
 void rate(const std::string& name, const char* path, const char* csv) {
   const SurfaceMesh mesh = geometry_of(path);
-  Table table(csv, "mesh,fairness,triangles,processor_s,least_processor_s,triangles_per_s,most_triangles_per_s");
+  Table table(csv,
+              "mesh,fairness,triangles,processor_s,least_processor_s,triangles_per_s,most_triangles_per_s");
   for (const auto& [fairness, words] :
        {std::pair{TomFairness::memoryless, "memoryless"}, std::pair{TomFairness::quadric, "quadric"}}) {
     std::vector<double> times;
@@ -119,20 +121,23 @@ void rate(const std::string& name, const char* path, const char* csv) {
     }
     const auto triangles = static_cast<double>(mesh.triangles.size());
     const double least = *std::min_element(times.begin(), times.end());
-    table.row(fmt::format("{},{},{},{:.4f},{:.4f},{:.0f},{:.0f}", name, words, mesh.triangles.size(), median(times),
-                          least, triangles / median(times), triangles / least));
+    table.row(fmt::format("{},{},{},{:.4f},{:.4f},{:.0f},{:.0f}", name, words, mesh.triangles.size(),
+                          median(times), least, triangles / median(times), triangles / least));
   }
 }
 
 // ---- table 4
 
-/// 32-bit numbers, normals as the only attribute. PM: 56 bytes for each vertex split, and for what is drawn 24
-/// per vertex and 24 per triangle (three corners, three neighbours): with these the paper's figures come out.
+/// 32-bit numbers, normals as the only attribute. PM: 56 bytes for each vertex split, and for what is drawn
+/// 24 per vertex and 24 per triangle (three corners, three neighbours): with these the paper's figures come
+/// out.
 void bytes(const std::string& name, const char* path, const char* csv) {
   SurfaceMesh mesh = geometry_of(path);
   mesh.normals.assign(mesh.positions.size(), Vec3f{0, 0, 1});
   const Tom tom = tom_of(mesh);
-  const auto face_vertex = [](std::uint64_t vertices, std::uint64_t triangles) { return 24 * vertices + 12 * triangles; };
+  const auto face_vertex = [](std::uint64_t vertices, std::uint64_t triangles) {
+    return 24 * vertices + 12 * triangles;
+  };
   const std::uint64_t whole = face_vertex(tom.full(), tom.triangles.size());
   std::uint64_t levels = 0;
   for (const double share : {1.0, 0.5, 0.25, 0.12, 0.06, 0.03}) {
@@ -178,7 +183,8 @@ double best_ns(std::uint32_t triangles, const Work& work) {
   for (int i = 0; i < 15; ++i) {
     const auto start = std::chrono::steady_clock::now();
     work();
-    best = std::min(best, std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count());
+    best = std::min(
+        best, std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count());
   }
   return best / triangles;
 }
@@ -219,17 +225,20 @@ void traverse_at(Table& table, const std::string& name, const Tom& tom, double s
   const double moving = best_ns(triangles, [&] { visit((turn = !turn) ? next : n); });
   const double written = best_ns(triangles, [&] { cursor.extract(n, out); });
   const double chains = best_ns(triangles, [&] { extract_triangles(tom, n, out); });
-  table.row(fmt::format("{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.2f},{:.2f}", name, share, n,
-                        triangles, whole_chains, from_rung, read, still, moving, written, chains, read / still,
-                        read / moving));
+  table.row(fmt::format("{},{},{},{},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.3f},{:.2f},{:.2f}", name,
+                        share, n, triangles, whole_chains, from_rung, read, still, moving, written, chains,
+                        read / still, read / moving));
 }
 
 void traversal(const std::string& name, const char* path, const char* csv) {
   const Tom tom = tom_of(geometry_of(path));
-  Table table(csv,
-              "mesh,share,vertices,triangles,steps_per_corner_of_chains,steps_per_corner_of_cursor,plain_read_ns,"
-              "cursor_ns,cursor_moving_ns,cursor_written_ns,chains_written_ns,cursor_rate_of_plain,moving_rate_of_plain");
-  for (const double share : {1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.07, 0.05, 0.03, 0.02, 0.01})
+  Table table(
+      csv,
+      "mesh,share,vertices,triangles,steps_per_corner_of_chains,steps_per_corner_of_cursor,plain_read_ns,"
+      "cursor_ns,cursor_moving_ns,cursor_written_ns,chains_written_ns,cursor_rate_of_plain,moving_rate_of_"
+      "plain");
+  for (const double share :
+       {1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.07, 0.05, 0.03, 0.02, 0.01})
     traverse_at(table, name, tom, share);
 }
 
@@ -241,8 +250,8 @@ std::vector<bench::Row> table_of(const std::string& path) {
   return bench::rows_of(in);
 }
 
-plot::Series series_of(const std::vector<bench::Row>& rows, const char* key, const std::string& value, const char* x,
-                       const char* y, const std::string& name, double scale_x = 1) {
+plot::Series series_of(const std::vector<bench::Row>& rows, const char* key, const std::string& value,
+                       const char* x, const char* y, const std::string& name, double scale_x = 1) {
   plot::Series s{name, {}, {}, {}};
   for (const bench::Row& row : rows) {
     if (row.at(key) != value) continue;
@@ -286,7 +295,8 @@ void plot_traversal(const std::string& folder) {
   followed.limits = {{"at most", 0.75}, {"aim", 0.25}};
   rates.limits = {{"at least", 0.5}};
   for (const std::string& name : names) {
-    followed.series.push_back(series_of(rows, "mesh", name, "share", "steps_per_corner_of_cursor", name, 100));
+    followed.series.push_back(
+        series_of(rows, "mesh", name, "share", "steps_per_corner_of_cursor", name, 100));
     chains.series.push_back(series_of(rows, "mesh", name, "share", "steps_per_corner_of_chains", name, 100));
     rates.series.push_back(series_of(rows, "mesh", name, "share", "cursor_rate_of_plain", name, 100));
   }
@@ -298,8 +308,8 @@ void plot_traversal(const std::string& folder) {
 
 void cut(const char* path, const char* triangles, const char* out) {
   const Tom tom = tom_of(geometry_of(path));
-  const auto done =
-      write_mesh(out, surface_at(tom, resolution_of_triangles(tom, static_cast<std::uint32_t>(std::stoul(triangles)))));
+  const auto done = write_mesh(
+      out, surface_at(tom, resolution_of_triangles(tom, static_cast<std::uint32_t>(std::stoul(triangles)))));
   if (!done) give_up(done.error().text());
 }
 
