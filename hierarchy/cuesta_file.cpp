@@ -58,4 +58,13 @@ Result<Page> CuestaFile::read_page(PageId id) const {
   return page;
 }
 
+Result<std::shared_ptr<const Page>> CuestaFile::shared_page(PageId id) const {
+  const auto read = [&]() -> Result<std::shared_ptr<const Page>> {
+    auto page = read_page(id);
+    if (!page) return fail(page.error());
+    return std::make_shared<const Page>(std::move(*page));
+  };
+  return shelf_ ? shelf_->take(id, read) : read();
+}
+
 }  // namespace cuesta

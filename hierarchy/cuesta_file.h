@@ -6,6 +6,7 @@
 #include <string>
 
 #include "hierarchy/directory.h"
+#include "hierarchy/page_shelf.h"
 #include "ooc/container_file.h"
 
 namespace cuesta {
@@ -30,11 +31,18 @@ class CuestaFile {
   /// "page N".
   Result<Page> read_page(PageId id) const;
 
+  /// Pages that are looked for on a shelf first, and put there, when they are taken by shared_page().
+  /// @param shelf  of this very file's content.
+  void set_shelf(std::shared_ptr<PageShelf> shelf) { shelf_ = std::move(shelf); }
+  /// As read_page(); with a shelf, at most one of those who ask decodes it as long as it stays there.
+  Result<std::shared_ptr<const Page>> shared_page(PageId id) const;
+
  private:
   static Result<CuestaFile> open(Result<ContainerReader> container);
   std::shared_ptr<const ContainerReader> container_;  ///< many surfaces may be in one file
   Directory directory_;
   std::string place_;
+  std::shared_ptr<PageShelf> shelf_;
 };
 
 }  // namespace cuesta

@@ -189,6 +189,7 @@ void GeometryPool::deactivate(TriangleHandle t) {
 
 bool GeometryPool::upload_vertices(RunId run, std::uint64_t most_bytes) {
   PageRun& r = runs_[run];
+  if (!vertex_uploads_) return true;
   const std::uint64_t bytes = sizeof(DrawVertex) + (has_texcoords() ? sizeof(TexCoord) : 0);
   std::uint64_t left = most_bytes / bytes;
   while (r.uploaded_vertices < r.vertices && left > 0) {

@@ -104,6 +104,9 @@ class GeometryPool {
   /// Uploads of the page's vertices, at most `most_bytes` of them, are due in this frame.
   /// @return true when all of them have been.
   bool upload_vertices(RunId run, std::uint64_t most_bytes);
+  /// Off: vertices of new pages are at once as good as uploaded, and in no list. For who sends vertices when they are
+  /// first drawn.
+  void set_vertex_uploads(bool on) { vertex_uploads_ = on; }
   /// What the next draw_list() will ask to upload.
   std::uint64_t upload_bytes() const { return vertex_upload_bytes_ + dirty_.size() * dirty_bytes; }
 
@@ -146,6 +149,7 @@ class GeometryPool {
   std::vector<RunId> free_runs_;
   std::uint64_t active_ = 0;
   std::uint64_t vertex_upload_bytes_ = 0;
+  bool vertex_uploads_ = true;
   bool tagging_ = false;
   std::vector<Tag> tagged_;
   std::vector<std::uint8_t> tags_;

@@ -20,9 +20,9 @@ namespace {
 
 Result<std::unique_ptr<ResidentPage>> read_and_replay(const CuestaFile& file, GeometryPool& pool,
                                                       const PageRequest& r) {
-  const auto page = file.read_page(r.id);
+  const auto page = file.shared_page(r.id);
   if (!page) return fail(page.error());
-  auto resident = ResidentPage::create(r.id, *page, r.coarser, pool, r.run, r.blocks);
+  auto resident = ResidentPage::create(r.id, **page, r.coarser, pool, r.run, r.blocks);
   if (!resident) resident.error().file = file.path().string();
   return resident;
 }

@@ -585,6 +585,13 @@ void add_serve(CLI::App& program, Common& common) {
       ->type_name("N")
       ->check(CLI::Range(1u, 1'000'000u));
   add_path(c.app, "--page", s.page, "folder with a built web page, served at /view/")->type_name("DIR");
+  c.app
+      ->add_option("--sessions", s.sessions,
+                   "view-dependent sessions that are open at once; default 256; 0: none")
+      ->type_name("N")
+      ->check(CLI::Range(0u, 100'000u));
+  add_parsed(c.app, "--session-cache", "SIZE", "memory for the pages of each session; default 64M",
+             store(parse_bytes, s.session_cache_bytes));
   c.app->add_flag("!--no-thumbnails", s.thumbnails, "the start page has no pictures");
   c.runs(common, run_serve);
 }

@@ -11,6 +11,7 @@
 #include "apps/cuesta/machine.h"
 #include "apps/cuesta/stop_signal.h"
 #include "apps/serve/server.h"
+#include "apps/serve/session_server.h"
 #include "apps/serve/thumbnails.h"
 
 namespace cuesta::app {
@@ -53,17 +54,30 @@ serve::ServerSettings server_settings(const ServeSettings& s) {
   return settings;
 }
 
-serve::SiteParts site_parts(serve::Thumbnails* thumbnails) {
+serve::SessionServerSettings session_settings(const ServeSettings& s) {
+  serve::SessionServerSettings settings;
+  settings.threads = server_settings(s).threads;
+  settings.sessions = s.sessions;
+  settings.limits.cache_bytes = s.session_cache_bytes;
+  return settings;
+}
+
+serve::SiteParts site_parts(serve::Thumbnails* thumbnails, serve::SessionServer* sessions) {
   serve::SiteParts parts;
+  if (sessions)
+    parts.session = [sessions](auto set, auto connection, auto bytes) {
+      sessions->take(std::move(set), std::move(connection), std::move(bytes));
+    };
   if (thumbnails)
     parts.thumbnail = [thumbnails](auto set, auto done) {
       thumbnails->make(std::move(set), std::move(done));
     };
-  parts.gauges = [thumbnails] {
-    return std::vector<serve::Gauge>{
-        {"cuesta_thumbnails_drawn_total", "Pictures that were drawn.",
-         thumbnails ? static_cast<double>(thumbnails->drawn()) : 0.0, true},
-        {"process_resident_memory_bytes", "Memory.", static_cast<double>(resident_bytes())}};
+  parts.gauges = [thumbnails, sessions] {
+    auto gauges = sessions ? sessions->gauges() : std::vector<serve::Gauge>();
+    gauges.push_back({"cuesta_thumbnails_drawn_total", "Pictures that were drawn.",
+                      thumbnails ? static_cast<double>(thumbnails->drawn()) : 0.0, true});
+    gauges.push_back({"process_resident_memory_bytes", "Memory.", static_cast<double>(resident_bytes())});
+    return gauges;
   };
   return parts;
 }
@@ -91,7 +105,8 @@ Result<void> run_serve(const ServeSettings& settings) {
   serve::Catalogue catalogue(settings.paths, settings.page);
   tell(catalogue.update());
   auto thumbnails = settings.thumbnails ? serve::Thumbnails::create({}) : nullptr;
-  const serve::Site site(catalogue, site_parts(thumbnails.get()));
+  auto sessions = settings.sessions > 0 ? serve::SessionServer::start(session_settings(settings)) : nullptr;
+  const serve::Site site(catalogue, site_parts(thumbnails.get(), sessions.get()));
   auto server = serve::Server::start(server_settings(settings), site);
   if (!server) return fail(server.error());
   fmt::print("{}: {} data sets; Ctrl-C ends it\n", address_text(settings.bind, (*server)->port()),
@@ -99,6 +114,7 @@ Result<void> run_serve(const ServeSettings& settings) {
   std::fflush(stdout);
   follow_files(catalogue);
   (*server)->stop();
+  sessions.reset();
   thumbnails.reset();  // while there is a server that its pictures can be given to
   return {};
 }

@@ -18,6 +18,8 @@ struct ServeSettings {
   std::uint32_t connections = 1024;
   std::filesystem::path page;  ///< folder with the web page; empty: none
   bool thumbnails = true;
+  std::uint32_t sessions = 256;                     ///< that are open at once; 0: none are taken
+  std::uint64_t session_cache_bytes = 64ull << 20;  ///< of resident pages, for each
 };
 
 /// Serves until SIGINT or SIGTERM, then ends the responses under way, within ten seconds.

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -73,7 +74,7 @@ class RawClient {
     r.head = received_.substr(0, end + 2);
     received_.erase(0, end + 4);
     const int status = std::atoi(r.head.c_str() + 9);
-    const std::size_t length = last_is_head_ || status == 204 || status == 304
+    const std::size_t length = last_is_head_ || status == 101 || status == 204 || status == 304
                                    ? 0
                                    : std::strtoull(r.header("Content-Length").c_str(), nullptr, 10);
     while (received_.size() < length)
@@ -86,6 +87,14 @@ class RawClient {
   Reply ask(const std::string& target, const std::string& headers = "", const std::string& method = "GET") {
     get(target, headers, method);
     return reply();
+  }
+  /// Just so many bytes.
+  std::optional<std::string> take(std::size_t count, int wait_ms) {
+    while (received_.size() < count)
+      if (!receive(wait_ms)) return std::nullopt;
+    std::string bytes = received_.substr(0, count);
+    received_.erase(0, count);
+    return bytes;
   }
   /// True if the server closes within the time, whatever it sends before.
   bool is_closed(int wait_ms) {
