@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t original = 0xFFFFFFFFu;
 /// Areas that the rim moves over are looked up so many at a time.
-constexpr std::size_t areas_at_once = 512;
+constexpr std::size_t areas_at_once = 64;
 using Corners = std::array<Vec3i, 3>;
 
 /// A substitution with those joined to it: children [first, last).
@@ -164,6 +164,11 @@ class Recorder {
   float error_before_ = 0;
 };
 
+/// No posting is farther from any place of the surface.
+float size_of(const Box3<std::int32_t>& box) {
+  return static_cast<float>(length(vec_cast<double>(box.hi) - vec_cast<double>(box.lo)) * (1 + 1e-6)) + 1;
+}
+
 /// Per step, how far postings are beside what it makes.
 Result<std::vector<float>> measure_rims(const InputSurface& surface, const Recorder& record,
                                         RimPostings& rim) {
@@ -177,16 +182,22 @@ Result<std::vector<float>> measure_rims(const InputSurface& surface, const Recor
     for (end = i + 1;
          end + 1 < record.steps.size() && record.steps[end + 1].first_area - first_area <= areas_at_once;)
       ++end;
-    const auto found = surface.postings_over(part(record.areas, first_area, record.steps[end].first_area));
+    const auto found =
+        surface.postings_over(part(record.areas, first_area, record.steps[end].first_area), most_beside);
     if (!found) return fail(found.error());
     for (std::size_t k = i; k < end; ++k) {
       const Step &step = record.steps[k], &next = record.steps[k + 1];
       uncovered.clear();
-      for (std::uint32_t a = step.first_area; a < next.first_area; ++a)
-        uncovered.insert(uncovered.end(), (*found)[a - first_area].begin(), (*found)[a - first_area].end());
-      errors.push_back(rim.move(part(record.patches, step.first_patch, next.first_patch), uncovered,
-                                part(record.made, step.first_made, next.first_made),
-                                part(record.made_corners, step.first_made, next.first_made)));
+      bool all_found = true;
+      for (std::uint32_t a = step.first_area; a < next.first_area; ++a) {
+        const auto& postings = (*found)[a - first_area];
+        all_found &= postings.has_value();
+        if (postings) uncovered.insert(uncovered.end(), postings->begin(), postings->end());
+      }
+      const auto error = rim.move(part(record.patches, step.first_patch, next.first_patch), uncovered,
+                                  part(record.made, step.first_made, next.first_made),
+                                  part(record.made_corners, step.first_made, next.first_made));
+      errors.push_back(all_found && error ? *error : size_of(surface.box));
     }
   }
   return errors;

@@ -51,12 +51,15 @@ float RimPostings::measure(std::span<const std::uint32_t> triangles, std::span<c
   return worst;
 }
 
-float RimPostings::move(std::span<const std::uint32_t> patch, std::span<const Vec3i> uncovered,
-                        std::span<const std::uint32_t> made, std::span<const Corners> corners) {
+std::optional<float> RimPostings::move(std::span<const std::uint32_t> patch, std::span<const Vec3i> uncovered,
+                                       std::span<const std::uint32_t> made,
+                                       std::span<const Corners> corners) {
   for (const std::uint32_t t : patch) take(t);
   for (const std::uint32_t t : made) take(t);
   for (const Vec3i& p : uncovered) batch_.add(vec_cast<float>(p - origin_));
-  return measure(made, corners);
+  if (batch_.size() <= most_beside) return measure(made, corners);
+  batch_.clear();
+  return {};
 }
 
 }  // namespace cuesta

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,9 @@
 #include "ooc/vec.h"
 
 namespace cuesta {
+
+/// More postings than this are not kept beside a triangle.
+inline constexpr std::size_t most_beside = 16'384;
 
 /// Keeps, while the script of a cell is replayed, the postings that lie above and below no triangle, each
 /// with a triangle that it is beside. Distances are those of DeviationBatch.
@@ -24,9 +28,11 @@ class RimPostings {
 
   /// The triangles `patch` go or change, and `made`, with these corners, are there after it; `uncovered` may
   /// be beside them now.
-  /// @return upper bound of the distances of all that is beside `made`, grid units; 0 if nothing is
-  float move(std::span<const std::uint32_t> patch, std::span<const Vec3i> uncovered,
-             std::span<const std::uint32_t> made, std::span<const Corners> corners);
+  /// @return upper bound of the distances of all that is beside `made`, grid units; 0 if nothing is. None: it
+  /// would be more than most_beside, and is not kept; then nothing less than the size of the whole surface is
+  /// a bound, of this step and of all that depend on it.
+  std::optional<float> move(std::span<const std::uint32_t> patch, std::span<const Vec3i> uncovered,
+                            std::span<const std::uint32_t> made, std::span<const Corners> corners);
 
   std::span<const Vec3i> beside(std::uint32_t triangle) const { return beside_[triangle]; }
 

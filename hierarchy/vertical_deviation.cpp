@@ -18,14 +18,12 @@ std::size_t padded(std::size_t n) {
 /// of.
 struct Altitudes {
   float a, b, c;
-  float per_b, per_c;  // a over b and over c
 };
 Altitudes altitudes(const UprightTriangle& t, Vec3f up) {
   const Vec3f ab = t.corners[1] - t.corners[0], ac = t.corners[2] - t.corners[0];
   const float twice_area = dot(up, t.normal) * t.twice_area;
-  const float a = twice_area / length(cross(up, ac - ab)), b = twice_area / length(cross(up, ac)),
-              c = twice_area / length(cross(up, ab));
-  return {a, b, c, a / b, a / c};
+  return {twice_area / length(cross(up, ac - ab)), twice_area / length(cross(up, ac)),
+          twice_area / length(cross(up, ab))};
 }
 
 /// One up for all: distances from edges and heights are linear in the point.
@@ -34,8 +32,9 @@ void measure_on_plane(const UprightTriangle& t, Vec3f up, std::int32_t index, co
   const Vec3f a = t.corners[0], ab = t.corners[1] - a, ac = t.corners[2] - a;
   const float upright = dot(up, t.normal), inv = 1.0f / (upright * t.twice_area);
   const Altitudes alt = altitudes(t, up);
-  const Vec3f to_b = cross(ac, up) * (inv * alt.b), to_c = cross(up, ab) * (inv * alt.c),
-              to_h = t.normal * (1.0f / upright);
+  // Each by a vector of its own: of a needle, two distances do not tell the third in f32.
+  const Vec3f to_a = cross(up, ac - ab) * (inv * alt.a), to_b = cross(ac, up) * (inv * alt.b),
+              to_c = cross(up, ab) * (inv * alt.c), to_h = t.normal * (1.0f / upright);
   const std::size_t n = padded(points.count);
   const float* __restrict x = points.x, * __restrict y = points.y, * __restrict z = points.z;
   float* __restrict inside = points.inside, * __restrict squared = points.squared;
@@ -45,7 +44,8 @@ void measure_on_plane(const UprightTriangle& t, Vec3f up, std::int32_t index, co
     const float b = qx * to_b.x + qy * to_b.y + qz * to_b.z;
     const float c = qx * to_c.x + qy * to_c.y + qz * to_c.z;
     const float h = qx * to_h.x + qy * to_h.y + qz * to_h.z;
-    const float least = std::min(std::min(b, c), alt.a - alt.per_b * b - alt.per_c * c);
+    const float from_a = alt.a + (qx * to_a.x + qy * to_a.y + qz * to_a.z);
+    const float least = std::min(std::min(b, c), from_a);
     const bool better = least > inside[i];
     squared[i] = better ? h * h : squared[i];
     nearest[i] = better ? index : nearest[i];
@@ -56,7 +56,7 @@ void measure_on_plane(const UprightTriangle& t, Vec3f up, std::int32_t index, co
 CUESTA_VECTOR_CLONES
 void measure_on_ellipsoid(const UprightTriangle& t, Vec3f up_at_a, std::int32_t index,
                           const VerticalPoints& points) {
-  const Vec3f a = t.corners[0], ab = t.corners[1] - a, ac = t.corners[2] - a, n = t.normal;
+  const Vec3f a = t.corners[0], ab = t.corners[1] - a, ac = t.corners[2] - a, bc = ac - ab, n = t.normal;
   // The up at a corner stands for all: what little they differ changes no sign.
   const Altitudes alt = altitudes(t, up_at_a);
   const float per_twice_area = 1.0f / t.twice_area;
@@ -75,8 +75,8 @@ void measure_on_ellipsoid(const UprightTriangle& t, Vec3f up_at_a, std::int32_t 
     const float c = (mx * ab.x + my * ab.y + mz * ab.z) * inv;
     const float h = (qx * n.x + qy * n.y + qz * n.z) * (inv * t.twice_area);
     const float per_up = ux[i] * ux[i] + uy[i] * uy[i] + uz[i] * uz[i];
-    const float least =
-        upright > 0 ? std::min(std::min(b * alt.b, c * alt.c), (1.0f - b - c) * alt.a) : -1e30f;
+    const float from_a = 1.0f + (mx * bc.x + my * bc.y + mz * bc.z) * inv;
+    const float least = upright > 0 ? std::min(std::min(b * alt.b, c * alt.c), from_a * alt.a) : -1e30f;
     const bool better = least > inside[i];
     squared[i] = better ? h * h * per_up : squared[i];
     nearest[i] = better ? index : nearest[i];

@@ -9,10 +9,10 @@ Result<void> InputSurface::measure(std::span<const std::array<Vec3i, 3>>, std::s
   return {};
 }
 
-Result<std::vector<std::vector<Vec3i>>> InputSurface::postings_over(
-    std::span<const std::array<Vec3i, 3>>) const {
+Result<std::vector<std::optional<std::vector<Vec3i>>>> InputSurface::postings_over(
+    std::span<const std::array<Vec3i, 3>>, std::size_t) const {
   CUESTA_CHECK(!"only fields of heights have postings");
-  return std::vector<std::vector<Vec3i>>{};
+  return std::vector<std::optional<std::vector<Vec3i>>>{};
 }
 
 }  // namespace cuesta

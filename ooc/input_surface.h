@@ -59,10 +59,11 @@ class InputSurface {
   /// @pre   vertical has a value, and `distances` is as long as `corners`
   virtual Result<void> measure(std::span<const std::array<Vec3i, 3>> corners,
                                std::span<float> distances) const;
-  /// The postings above and below each triangle, grid units: what measure() looks at.
+  /// The postings above and below each triangle, grid units: what measure() looks at. Nothing for a triangle
+  /// that may have more than `most`.
   /// @pre  vertical has a value
-  virtual Result<std::vector<std::vector<Vec3i>>> postings_over(
-      std::span<const std::array<Vec3i, 3>> corners) const;
+  virtual Result<std::vector<std::optional<std::vector<Vec3i>>>> postings_over(
+      std::span<const std::array<Vec3i, 3>> corners, std::size_t most) const;
 };
 
 }  // namespace cuesta

@@ -153,13 +153,21 @@ Result<void> PostingMeasure::measure(std::span<const std::array<Vec3i, 3>> trian
   return {};
 }
 
-Result<std::vector<std::vector<Vec3i>>> PostingMeasure::postings_over(
-    std::span<const std::array<Vec3i, 3>> triangles) const {
-  std::vector<std::vector<Vec3i>> out(triangles.size());
-  for (const SquareRuns& square : runs_of(triangles)) {
-    const auto add = [&](std::uint32_t triangle, const Vec3d& p, double) {
-      out[triangle].push_back(vec_cast<std::int32_t>(p));
-    };
+Result<std::vector<std::optional<std::vector<Vec3i>>>> PostingMeasure::postings_over(
+    std::span<const std::array<Vec3i, 3>> triangles, std::size_t most) const {
+  std::vector<SquareRuns> squares = runs_of(triangles);
+  std::vector<std::size_t> count(triangles.size());
+  for (const SquareRuns& square : squares)
+    for (const Run& r : square.runs) count[r.triangle] += std::size_t{r.last} - r.first + 1;
+  std::vector<std::optional<std::vector<Vec3i>>> out(triangles.size());
+  for (std::size_t t = 0; t < out.size(); ++t)
+    if (count[t] <= most) out[t].emplace();
+  const auto add = [&](std::uint32_t triangle, const Vec3d& p, double) {
+    out[triangle]->push_back(vec_cast<std::int32_t>(p));
+  };
+  for (SquareRuns& square : squares) {
+    std::erase_if(square.runs, [&](const Run& r) { return !out[r.triangle]; });
+    if (square.runs.empty()) continue;
     if (auto r = visit_square(square, triangles, add); !r) return fail(r.error());
   }
   return out;

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,8 +20,8 @@ class PostingMeasure {
   /// As InputSurface::measure(). In the calling TBB arena; the same result for any number of threads.
   Result<void> measure(std::span<const std::array<Vec3i, 3>> triangles, std::span<float> distances) const;
   /// As InputSurface::postings_over().
-  Result<std::vector<std::vector<Vec3i>>> postings_over(
-      std::span<const std::array<Vec3i, 3>> triangles) const;
+  Result<std::vector<std::optional<std::vector<Vec3i>>>> postings_over(
+      std::span<const std::array<Vec3i, 3>> triangles, std::size_t most) const;
 
  private:
   struct Run {  // of a triangle's footprint, in one square

@@ -171,9 +171,9 @@ Result<void> TerrainSurface::measure(std::span<const std::array<Vec3i, 3>> corne
   return PostingMeasure(*this).measure(corners, distances);
 }
 
-Result<std::vector<std::vector<Vec3i>>> TerrainSurface::postings_over(
-    std::span<const std::array<Vec3i, 3>> corners) const {
-  return PostingMeasure(*this).postings_over(corners);
+Result<std::vector<std::optional<std::vector<Vec3i>>>> TerrainSurface::postings_over(
+    std::span<const std::array<Vec3i, 3>> corners, std::size_t most) const {
+  return PostingMeasure(*this).postings_over(corners, most);
 }
 
 }  // namespace cuesta

@@ -57,8 +57,8 @@ class TerrainSurface final : public InputSurface {
   Result<SurfaceChunk> chunk(std::uint32_t c) const override;
   Result<void> measure(std::span<const std::array<Vec3i, 3>> corners,
                        std::span<float> distances) const override;
-  Result<std::vector<std::vector<Vec3i>>> postings_over(
-      std::span<const std::array<Vec3i, 3>> corners) const override;
+  Result<std::vector<std::optional<std::vector<Vec3i>>>> postings_over(
+      std::span<const std::array<Vec3i, 3>> corners, std::size_t most) const override;
 
  private:
   friend class TerrainSurvey;
