@@ -281,10 +281,12 @@ class FanMerger {
     for (const auto& [c, u] : candidates_) {
       // Half of the limit leaves room for the wedges of the last one.
       if (result_.script.children.size() - first >= max_fan_children / 2) break;
-      const float born = kernel_.birth_error_around(u);
-      if (born > most) {
-        needed = std::min(needed, cost_of_level * squared(born));
-        continue;
+      if (by_levels_) {
+        const float born = kernel_.birth_error_around(u);
+        if (born > most) {
+          needed = std::min(needed, cost_of_level * squared(born));
+          continue;
+        }
       }
       if (!kernel_.legal(u, v)) continue;
       const float deviation = kernel_.measure(u, v);

@@ -64,17 +64,16 @@ Result<void> PostingStore::write(std::uint32_t chunk, std::span<const float> hei
   return file_.write_at(chunk * bytes, std::as_bytes(std::span(rows)));
 }
 
-/// A run of a row that lies in one square.
-Result<void> PostingStore::read_run(std::uint32_t layer, std::uint64_t column, std::uint64_t row,
+/// A run of a row of a square.
+Result<void> PostingStore::read_run(std::uint64_t square, std::uint64_t column, std::uint64_t row,
                                     std::span<float> heights_m) const {
-  const std::uint32_t chunk = chunk_of_[squares_.number_at(layer, column, row)];
+  const std::uint32_t chunk = chunk_of_[square];
   if (chunk == no_chunk) {
     std::fill(heights_m.begin(), heights_m.end(), std::numeric_limits<float>::quiet_NaN());
     return {};
   }
   const std::uint64_t side = squares_.side();
-  const std::uint64_t posting =
-      (chunk * side + squares_.row_within(layer, row)) * side + squares_.column_within(layer, column);
+  const std::uint64_t posting = (chunk * side + row) * side + column;
   return file_.read_at(posting * sizeof(float), std::as_writable_bytes(heights_m));
 }
 
@@ -97,14 +96,13 @@ Result<void> PostingStore::read(std::uint32_t layer, std::int64_t column, std::i
         out[c++] = std::numeric_limits<float>::quiet_NaN();
         continue;
       }
-      const LatticeSquare square = squares_.square(squares_.number_at(
-          layer, static_cast<std::uint64_t>(at_column), static_cast<std::uint64_t>(at_row)));
+      const std::uint64_t number = squares_.number_at(layer, static_cast<std::uint64_t>(at_column),
+                                                      static_cast<std::uint64_t>(at_row));
+      const LatticeSquare square = squares_.square(number);
       const std::uint64_t in_square = static_cast<std::uint64_t>(at_column) - square.column;
       const std::uint64_t run = std::min(square.width - in_square, width - c);
-      if (auto r2 = read_run(layer, static_cast<std::uint64_t>(at_column), static_cast<std::uint64_t>(at_row),
-                             out.subspan(c, run));
-          !r2)
-        return r2;
+      const std::uint64_t row_in_square = static_cast<std::uint64_t>(at_row) - square.row;
+      if (auto r2 = read_run(number, in_square, row_in_square, out.subspan(c, run)); !r2) return r2;
       c += run;
     }
   }

@@ -90,7 +90,7 @@ class PostingStore {
                     std::uint64_t height, std::span<float> heights_m) const;
 
  private:
-  Result<void> read_run(std::uint32_t layer, std::uint64_t column, std::uint64_t row,
+  Result<void> read_run(std::uint64_t square, std::uint64_t column, std::uint64_t row,
                         std::span<float> heights_m) const;
 
   LatticeSquares squares_;
