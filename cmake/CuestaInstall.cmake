@@ -20,3 +20,9 @@ configure_package_config_file(cmake/cuesta-config.cmake.in ${PROJECT_BINARY_DIR}
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/cuesta-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES cmake/CuestaOpenVDB.cmake ${PROJECT_BINARY_DIR}/cuesta-config.cmake ${PROJECT_BINARY_DIR}/cuesta-config-version.cmake
   DESTINATION ${package_dir})
+
+# The page that `cuesta serve` shows, and the package that it is made of.
+if(CUESTA_WEB)
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/web/page/ DESTINATION ${CMAKE_INSTALL_DATADIR}/cuesta/web)
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/web/client/ DESTINATION ${CMAKE_INSTALL_DATADIR}/cuesta/client)
+endif()

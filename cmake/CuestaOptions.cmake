@@ -2,6 +2,7 @@
 option(CUESTA_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(CUESTA_TOOLS "Build the data makers, baselines and benchmarks" ${PROJECT_IS_TOP_LEVEL})
 option(CUESTA_FUZZ "Build the fuzz targets (needs clang)" OFF)
+option(CUESTA_WEB "Build the browser client, too, and install its page (needs emscripten and npm)" OFF)
 set(CUESTA_SANITIZE "" CACHE STRING "Sanitizers for all targets, for example address,undefined")
 
 set(CMAKE_CXX_STANDARD 20)

@@ -1,0 +1,18 @@
+export type {
+  Aim,
+  Change,
+  ReliefFacts,
+  Report,
+  Shaders,
+  Shading,
+  Source,
+  SurfaceFacts,
+  Traffic,
+  Vec3,
+  View,
+} from './types.ts';
+export { eachRange, usualAim, wordsOfVertex } from './types.ts';
+export { CuestaSurface, type OpenOptions } from './surface.ts';
+export { type DrawOptions, SurfaceRenderer } from './renderer.ts';
+export { CameraControls, type ControlMode } from './controls.ts';
+export type { Lighting } from './uniforms.ts';
