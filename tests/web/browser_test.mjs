@@ -4,7 +4,7 @@
 // Ends with 77, "skipped", where chromium or the built page is missing.
 
 import assert from 'node:assert/strict';
-import { execFileSync } from 'node:child_process';
+import { execFileSync, spawn } from 'node:child_process';
 import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
@@ -78,7 +78,7 @@ async function visit(t, address, options = {}, expected = /^$/) {
     assert.deepEqual(complaints.filter((c) => !expected.test(c) && !/GL Driver Message/.test(c)), []);
   });
   page.setDefaultTimeout(patience);
-  await page.goto(`http://127.0.0.1:${host.port}${address}`);
+  await page.goto(`${options.baseURL ?? `http://127.0.0.1:${host.port}`}${address}`);
   return page;
 }
 
@@ -201,6 +201,31 @@ test('a flight refines, within its budgets', async (t) => {
   assert.ok(traffic.memoryBytes <= 96 * 2 ** 20, `module: ${traffic.memoryBytes}`);
   assert.equal(report.settled, true);
   writeFileSync(join(out, 'flight.png'), await page.screenshot());
+});
+
+test('plain nginx is host enough', async (t) => {
+  const nginx = ['/usr/sbin/nginx', '/usr/bin/nginx'].find((p) => existsSync(p));
+  if (!nginx) return t.skip('nginx is not there');
+  const port = host.port + 1;
+  const config = join(folder, 'nginx.conf');
+  const temporary = ['client_body', 'proxy', 'fastcgi', 'uwsgi', 'scgi'].map((n) => `${n}_temp_path ${folder}/${n};`).join('\n');
+  writeFileSync(
+    config,
+    `daemon off; master_process off; pid ${folder}/nginx.pid; error_log stderr;
+     events {}
+     http {
+       ${temporary}
+       access_log off;
+       types { text/html html; text/javascript js; text/css css; application/wasm wasm; }
+       server { listen 127.0.0.1:${port}; root ${join(web, 'page')}; location /data/ { alias ${folder}/; } }
+     }`,
+  );
+  const server = spawn(nginx, ['-c', config, '-e', 'stderr'], { stdio: 'ignore' });
+  t.after(() => server.kill());
+  await until('nginx answers', () => fetch(`http://127.0.0.1:${port}/`).then((r) => r.ok, () => false));
+  const page = await visit(t, `/?data=/data/${scan}`, { baseURL: `http://127.0.0.1:${port}` });
+  await settled(page);
+  assert.ok(inked((await drawn(page)).pixels) > 0.1);
 });
 
 test('a link restores the view', async (t) => {

@@ -38,7 +38,8 @@ export class BlobSource implements ByteSource {
 export class HttpSource implements ByteSource {
   private etag: string | null = null;
   private total: number | undefined;
-  private cache: RequestCache = 'default';
+  // A browser's cache puts ranges of two versions together, and shows the first one's ETag for both.
+  private cache: RequestCache = 'no-store';
 
   constructor(private readonly url: string) {}
 
@@ -68,8 +69,6 @@ export class HttpSource implements ByteSource {
       return await fetch(this.url, { headers: { Range: range }, cache: this.cache, signal });
     } catch {
       signal.throwIfAborted();
-      // Browsers also say so when what they kept of the file contradicts the host: the next attempt does without it.
-      this.cache = 'no-store';
       throw new SourceError(`${this.url} cannot be reached, or its host does not allow other sites to read it (CORS).`, true);
     }
   }
@@ -104,6 +103,7 @@ export class HttpSource implements ByteSource {
     const total = range ? Number(range[2]) : this.total;
     if ((this.etag !== null && etag !== null && etag !== this.etag) || (this.total ?? total) !== total) throw replaced();
     this.etag ??= etag;
+    if (/\bimmutable\b/.test(response.headers.get('Cache-Control') ?? '')) this.cache = 'default';
     this.total = total;
   }
 }

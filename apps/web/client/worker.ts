@@ -46,6 +46,7 @@ async function open(message: Extract<ToWorker, { kind: 'open' }>) {
   module = loaded;
   module.create(message.name, source.size() ?? announcedSize(header));
   module.deliver(0, header);
+  let held: Piece = { begin: Infinity, bytes: new Uint8Array() };
   for (let tail = directoryTail; ; tail = 0) {
     const facts = module.open(message.cacheBytes);
     if (!Array.isArray(facts)) {
@@ -53,9 +54,25 @@ async function open(message: Extract<ToWorker, { kind: 'open' }>) {
       post({ kind: 'opened', facts, shaders });
       return;
     }
-    const begin = Math.max(headerBytes, facts[0] - tail);
-    module.deliver(begin, await fetcher.read(begin, facts[0] + facts[1] - begin, openAttempts));
+    held = await before(held, Math.max(headerBytes, facts[0] - tail), facts[0] + facts[1]);
+    module.deliver(held.begin, held.bytes);
   }
+}
+
+interface Piece {
+  begin: number;
+  bytes: Uint8Array;
+}
+
+/** From `begin` to `end`; what is held of it is not fetched again. */
+async function before(held: Piece, begin: number, end: number): Promise<Piece> {
+  const joins = begin < held.begin && held.begin < end;
+  const fetched = await fetcher.read(begin, (joins ? held.begin : end) - begin, openAttempts);
+  if (!joins) return { begin, bytes: fetched };
+  const bytes = new Uint8Array(fetched.length + held.bytes.length);
+  bytes.set(fetched);
+  bytes.set(held.bytes, fetched.length);
+  return { begin, bytes };
 }
 
 function announcedSize(header: Uint8Array): number {
