@@ -6,34 +6,21 @@
 import assert from 'node:assert/strict';
 import { execFileSync, spawn } from 'node:child_process';
 import { copyFileSync, existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
-import { dirname, join } from 'node:path';
+import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { fileURLToPath } from 'node:url';
+import { here, launch, missing, packages, web } from './chromium.mjs';
 import { inked, ssim } from './compare.mjs';
 import { buildScan, buildTerrain } from './inputs.mjs';
 import { serve } from './range_server.mjs';
 
-const here = dirname(fileURLToPath(import.meta.url));
-const packages = join(here, '../../apps/web/node_modules');
 const cuesta = process.env.CUESTA_EXECUTABLE;
-const web = process.env.CUESTA_WEB;
-const chromiumPath = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find((p) => existsSync(p));
-
-for (const [what, there] of Object.entries({
-  'chromium (apt-get install chromium)': chromiumPath,
-  'the built page (tools/web)': web && existsSync(join(web, 'page/index.html')),
-  'playwright-core (tools/web)': existsSync(join(packages, 'playwright-core')),
-  'the program (CUESTA_EXECUTABLE)': cuesta && existsSync(cuesta),
-})) {
-  if (!there) {
-    console.log(`skipped: ${what} is not there`);
-    process.exit(77);
-  }
+const lacking = missing() ?? (existsSync(cuesta ?? '') ? undefined : 'the program (CUESTA_EXECUTABLE)');
+if (lacking) {
+  console.log(`skipped: ${lacking} is not there`);
+  process.exit(77);
 }
 
-const { chromium } = createRequire(join(packages, 'x'))('playwright-core');
 const folder = mkdtempSync(join(tmpdir(), 'cuesta-web-'));
 const out = process.env.CUESTA_WEB_OUT ?? folder;
 const patience = 60_000; // milliseconds: software rendering on a busy machine
@@ -54,10 +41,7 @@ before(async () => {
     '/test/': here,
     '/data/': folder,
   });
-  browser = await chromium.launch({
-    executablePath: chromiumPath,
-    args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-  });
+  browser = await launch();
 });
 
 after(async () => {
