@@ -117,7 +117,7 @@ function touch(attribute: THREE.BufferAttribute, first: number, count: number) {
 }
 
 function plain() {
-  return new THREE.MeshStandardMaterial({ vertexColors: true, roughness: 0.8, side: THREE.DoubleSide });
+  return new THREE.MeshStandardMaterial({ vertexColors: true, roughness: 0.8 });
 }
 
 const linearByte = Uint8Array.from({ length: 256 }, (_, i) => {
