@@ -143,6 +143,14 @@ std::uint32_t ActiveNodes::test_uniform(double limit, std::vector<std::uint32_t>
   return static_cast<std::uint32_t>(expiry_.size());
 }
 
+std::uint32_t ActiveNodes::take_all(std::vector<std::uint32_t>& fans) {
+  fans.resize(node_of_fan_.size());
+  std::iota(fans.begin(), fans.end(), 0u);
+  expiry_least_ = infinity;
+  std::fill(expiry_.begin(), expiry_.end(), infinity);
+  return static_cast<std::uint32_t>(expiry_.size());
+}
+
 std::uint64_t ActiveNodes::bytes() const {
   return fan_of_node_.size() * (4 * sizeof(std::uint16_t) + 2 + 4) + node_of_fan_.size() * 4 + expiry_.size() * 8;
 }

@@ -59,6 +59,9 @@ class ActiveNodes {
   /// For limits that do not depend on the distance: appends all fans that `limit` moves. Not due again unless one is.
   std::uint32_t test_uniform(double limit, std::vector<std::uint32_t>& fans);
 
+  /// Appends all fans: they have limits of their own. Not due again unless one of them moves.
+  std::uint32_t take_all(std::vector<std::uint32_t>& fans);
+
   std::uint64_t bytes() const;
 
  private:

@@ -284,9 +284,14 @@ void Cut::make_test(const Frame& f, PageId id) {
 void Cut::run_tests(const Frame& f) {
   const auto run = [&](PageTest& t) {
     ActiveNodes& nodes = t.page->active_nodes();
+    const auto same = f.scale.same_within(directory().pages[t.page->id()].bound);
+    if (!same) {  // each fan has a limit of its own
+      t.blocks = nodes.take_all(t.candidates);
+      return;
+    }
     const bool near_and_far = !f.scale.is_uniform() && t.limit > 0 && t.limit < infinity;
     t.blocks = near_and_far ? nodes.test(f.scale.eye(), t.limit, ErrorScale::nearest, travelled_, t.all, t.candidates)
-                            : nodes.test_uniform(t.limit, t.candidates);
+                            : nodes.test_uniform(*same < infinity ? t.limit : infinity, t.candidates);
   };
   for_each(std::span(tests_).first(test_count_), parallel_, run);
 }

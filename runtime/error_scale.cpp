@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace cuesta {
 namespace {
@@ -28,6 +29,31 @@ ErrorScale ErrorScale::uniform(const Grid& grid) {
   ErrorScale s;
   s.unit_ = 1 / grid.step;
   return s;
+}
+
+ErrorScale ErrorScale::part(const Grid& grid, SurfacePart part, double border_share) {
+  ErrorScale s = uniform(grid);
+  s.part_ = std::move(part);
+  s.border_share_ = border_share;
+  return s;
+}
+
+double ErrorScale::share(const Sphere& s) const {
+  if (!part_) return 1;
+  switch (part_->place(s)) {
+    case SurfacePart::Place::inside:
+      return 1;
+    case SurfacePart::Place::border:
+      return border_share_;
+    case SurfacePart::Place::outside:
+      break;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+std::optional<double> ErrorScale::same_within(const Sphere& bound) const {
+  if (part_ && part_->place(bound) == SurfacePart::Place::border) return std::nullopt;
+  return share(bound);
 }
 
 ErrorScale ErrorScale::perspective(const Grid& grid, const View& view, double outside_factor, double margin) {

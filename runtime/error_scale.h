@@ -7,6 +7,7 @@
 #include "hierarchy/error_code.h"
 #include "ooc/grid.h"
 #include "runtime/relief.h"
+#include "runtime/surface_part.h"
 #include "runtime/view.h"
 
 namespace cuesta {
@@ -22,6 +23,10 @@ class ErrorScale {
 
   /// Uniform cuts: sse is the error itself, in world units.
   static ErrorScale uniform(const Grid& grid);
+  /// Uniform within a part: outside no error counts, and on its borders each counts 1 / border_share times, so that
+  /// parts meet. Cuts of two parts with a border in common agree, at one tau, on all triangles that touch it, and
+  /// at other taus to within border_share times their sum.   @pre 0 < border_share ≤ 1.
+  static ErrorScale part(const Grid& grid, SurfacePart part, double border_share);
   /// Perspective view. Pages wholly outside the view frustum, widened by `margin` times its half-angles,
   /// count `outside_factor` times less; 1 makes the whole surface count. (By pages, whose bounds contain
   /// those of the finer pages that lean on them: so a factor is monotone too, and the test of a substitution
@@ -38,7 +43,7 @@ class ErrorScale {
 
   /// Grid units per pixel (uniform: per world unit) at the sphere, times the factor of its page.
   double scale(const Sphere& s, double page_factor = 1) const {
-    return uniform_ ? unit_ : near(s) * unit_ * page_factor;
+    return uniform_ ? unit_ * share(s) : near(s) * unit_ * page_factor;
   }
   /// Screen-space error in pixels (uniform: in world units); 0 for no error.
   double sse(float error, const Sphere& s, double page_factor = 1) const {
@@ -50,6 +55,9 @@ class ErrorScale {
   bool invisible(const Sphere& bound) const;
 
   bool is_uniform() const { return uniform_; }
+  /// By how much a uniform scale is larger for all spheres in the ball: 1, or infinity outside of a part; nothing where they
+  /// differ, on its borders.
+  std::optional<double> same_within(const Sphere& bound) const;
   Vec3d eye() const { return eye_; }  ///< grid units
   /// Grid units of error per pixel and grid unit of distance; uniform: per world unit.
   double unit() const { return unit_; }
@@ -65,11 +73,14 @@ class ErrorScale {
   bool uniform_ = true;
   double unit_ = 1;  // uniform: scale; perspective: 1 / pixels per unit at distance one
   double outside_factor_ = 1;
+  std::optional<SurfacePart> part_;  // uniform cuts
+  double border_share_ = 1;
   Vec3d eye_{};                   // grid units
   std::optional<Relief> relief_;  // grid units; if heights are exaggerated
   // Inward unit normals of the sides of the frustum, widened and not, and of the plane through the eye.
   std::array<Vec3d, 5> wide_{}, sides_{};
 
+  double share(const Sphere& s) const;
   bool outside(const std::array<Vec3d, 5>& planes, const Sphere& bound) const;
 };
 

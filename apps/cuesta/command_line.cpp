@@ -486,17 +486,38 @@ void add_flight(CLI::App& program, Common& common) {
   c.runs(common, run_flight);
 }
 
+void add_tile_options(CLI::App* app, ExportSettings& s) {
+  app->add_option("--tile-triangles", s.tile_triangles, "3dtiles: at most so many in a tile; default 65535")
+      ->type_name("N")
+      ->check(CLI::Range(64u, 1u << 22));
+  app->add_option("--border", s.border_share,
+                  "3dtiles: error along borders between tiles, as a share of the tile's; default 0.25")
+      ->type_name("SHARE")
+      ->check(CLI::Range(1.0 / 1024, 1.0));
+}
+
 void add_export(CLI::App& program, Common& common) {
   Command<ExportSettings> c(
-      program, "export", "Writes a level of detail of a .cuesta file as a mesh file.",
-      "Uniform: by error, by triangle count, or in full. Of a view: with --camera and --tau. Tells the\n"
-      "triangles and the guaranteed error: no vertex of the input is farther from the mesh written.\n"
+      program, "export", "Writes a .cuesta file as a mesh, or as tiles for web maps and engines.",
+      "A mesh is uniform: by error, by triangle count, or in full. Or of a view: with --camera and --tau.\n"
+      "Tells the triangles and the guaranteed error: no vertex of the input is farther from the mesh.\n"
+      "Tiles have all levels of detail. 3dtiles (3D Tiles 1.1, for CesiumJS, three.js, Unreal, Unity, QGIS)\n"
+      "become a folder with tileset.json, or one archive where the output ends in .3tz.\n"
       "\n"
       "Examples:\n  cuesta export bunny.cuesta -o small.ply --triangles 5000\n"
-      "  cuesta export bunny.cuesta -o near.glb --camera \"eye 0,0.1,0.3 target 0,0.1,0\" --tau 1");
+      "  cuesta export bunny.cuesta -o near.glb --camera \"eye 0,0.1,0.3 target 0,0.1,0\" --tau 1\n"
+      "  cuesta export alps.cuesta --format 3dtiles -o alps-tiles\n"
+      "  cuesta export scan.cuesta -o scan.3tz");
   ExportSettings& s = *c.settings;
   add_path(c.app, "FILE", s.file, "a .cuesta file")->required();
-  add_path(c.app, "-o,--output", s.output, "mesh to write: .ply, .obj or .glb")->required();
+  add_path(c.app, "-o,--output", s.output, "mesh (.ply, .obj, .glb), archive (.3tz) or folder to write")->required();
+  add_parsed(c.app, "--format", "FORMAT", "3dtiles, ply, obj or glb; default: what the output's name says",
+             one_of<ExportFormat>({{"3dtiles", ExportFormat::tiles_3d},
+                                   {"ply", ExportFormat::ply},
+                                   {"obj", ExportFormat::obj},
+                                   {"glb", ExportFormat::glb}},
+                                  s.format));
+  add_tile_options(c.app, s);
   auto* error =
       add_parsed(c.app, "--error", "E", "largest deviation, in world units", [&s](const std::string& text) {
         double value = 0;
@@ -530,7 +551,8 @@ void add_export(CLI::App& program, Common& common) {
   c.app->add_flag("--json", s.json, "tell triangles and bounds as JSON with stable keys");
   add_quiet(c.app, s.quiet);
   c.runs(common, run_export);
-  c.app->parse_complete_callback([error, triangles, full, camera] {
+  c.app->parse_complete_callback([error, triangles, full, camera, &s] {
+    if (format_of(s) == ExportFormat::tiles_3d) return;
     if (error->empty() && triangles->empty() && full->empty() && camera->empty())
       throw CLI::RequiredError("One of --error, --triangles, --full and --camera");
   });

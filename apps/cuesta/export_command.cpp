@@ -7,6 +7,7 @@
 
 #include "apps/cuesta/open_cut.h"
 #include "apps/cuesta/scene_export.h"
+#include "apps/cuesta/tiles_command.h"
 #include "apps/overview/file_facts.h"
 #include "ooc/mesh_writer.h"
 #include "runtime/extract.h"
@@ -44,12 +45,38 @@ Result<void> check_complete(const ExportSettings& s, const AdaptReport& report) 
           byte_count(report.resident_bytes)));
 }
 
-/// Before the work that would be for nothing.
+constexpr std::pair<const char*, ExportFormat> extensions[] = {{".ply", ExportFormat::ply},
+                                                               {".obj", ExportFormat::obj},
+                                                               {".glb", ExportFormat::glb},
+                                                               {".3tz", ExportFormat::tiles_3d}};
+
+ExportFormat format_by_name(const std::filesystem::path& output) {
+  for (const auto& [extension, format] : extensions)
+    if (output.extension() == extension) return format;
+  return ExportFormat::by_name;
+}
+
+/// Before the work that would be for nothing. Meshes are written in the format that their name says.
 Result<void> check_format(const ExportSettings& s) {
-  const std::string extension = s.output.extension().string();
-  if (extension == ".ply" || extension == ".obj" || extension == ".glb") return {};
-  return fail(ErrorCode::invalid_input, s.output.string(), "",
-              "meshes are written as .ply, .obj or .glb, found \"" + extension + "\"");
+  const ExportFormat by_name = format_by_name(s.output);
+  if (s.format == ExportFormat::by_name || s.format == by_name) {
+    if (by_name != ExportFormat::by_name) return {};
+    return fail(ErrorCode::invalid_input, s.output.string(), "",
+                "meshes are written as .ply, .obj or .glb, tiles as .3tz or with --format, found \"" +
+                    s.output.extension().string() + "\"");
+  }
+  if (s.format == ExportFormat::tiles_3d && by_name == ExportFormat::by_name) return {};
+  return fail(ErrorCode::invalid_input, s.output.string(), "", "the name's extension is of another format than --format");
+}
+
+Result<void> export_tiles(const ExportSettings& s) {
+  TilesSettings tiles;
+  tiles.file = s.file;
+  tiles.output = s.output;
+  tiles.options = {s.tile_triangles, s.border_share, s.cache_bytes};
+  tiles.json = s.json;
+  tiles.quiet = s.quiet;
+  return run_export_tiles(tiles);
 }
 
 void tell_json(const ExportSettings& s, const Directory& d, const SurfaceMesh& mesh,
@@ -82,8 +109,13 @@ void tell(const ExportSettings& s, const Directory& d, const SurfaceMesh& mesh, 
 
 }  // namespace
 
+ExportFormat format_of(const ExportSettings& s) {
+  return s.format == ExportFormat::by_name ? format_by_name(s.output) : s.format;
+}
+
 Result<void> run_export(const ExportSettings& s) {
   if (auto r = check_format(s); !r) return r;
+  if (format_of(s) == ExportFormat::tiles_3d) return export_tiles(s);
   const auto kind = ContainerReader::kind_of(s.file);
   if (!kind) return fail(kind.error());
   if (*kind == ContainerKind::scene) return run_scene_export(s);

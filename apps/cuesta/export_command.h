@@ -1,5 +1,5 @@
 #pragma once
-/// cuesta export: a cut of a .cuesta file as a mesh file.
+/// cuesta export: a cut of a .cuesta file as a mesh file, or all of it as tiles.
 
 #include <cstdint>
 #include <filesystem>
@@ -9,9 +9,16 @@
 
 namespace cuesta::app {
 
+/// By itself what the output's name says: .ply, .obj and .glb are meshes, .3tz is 3D Tiles.
+enum class ExportFormat : std::uint8_t { by_name, ply, obj, glb, tiles_3d };
+
 /// Exactly one of error, triangles, full and camera; triangles may also be a budget beside error or camera.
+/// Tiles have none of them.
 struct ExportSettings {
   std::filesystem::path file, output;
+  ExportFormat format = ExportFormat::by_name;
+  std::uint32_t tile_triangles = 65535;  ///< of 3D Tiles
+  double border_share = 0.25;            ///< of 3D Tiles
   std::optional<double> error;  ///< world units
   std::optional<std::uint64_t> triangles;
   bool full = false;
@@ -23,6 +30,9 @@ struct ExportSettings {
   bool json = false;  ///< tell it as JSON
   bool quiet = false;
 };
+
+/// What will be written; by_name where the name does not tell.
+ExportFormat format_of(const ExportSettings& settings);
 
 /// Prints the triangles and the guaranteed bound.
 /// @error of reading; out_of_budget if the cut does not fit the cache; those of write_mesh; cancelled.

@@ -1,0 +1,29 @@
+#pragma once
+/// All tiles of a file, one after the other, into a folder or an archive.
+
+#include <functional>
+
+#include "apps/tiles/tile_files.h"
+#include "apps/tiles/tile_producer.h"
+
+namespace cuesta::tiles {
+
+struct TilesReport {
+  std::uint64_t tiles = 0, leaves = 0, tilesets = 0;
+  std::uint64_t triangles = 0;  ///< of all tiles
+  std::uint64_t bytes = 0;
+  std::uint64_t levels = 0;
+  double root_error = 0;  ///< its geometric error
+};
+
+/// Called after each tile.   @return an error to stop with.
+using TileProgress = std::function<Result<void>(const TilesReport&)>;
+
+/// Writes tileset.json, tilesets within it (one for each `levels` levels), and contents, as tileset_json()
+/// names them. Memory: the producer's cache, a tile, and some 200 bytes for each tile of the tileset being
+/// written and those around it.
+/// @error of the producer, of `files`, of `progress`; invalid_input: no triangles.
+Result<TilesReport> export_tiles(TileProducer& producer, TileFiles& files, const TileProgress& progress,
+                                 std::size_t levels = 4);
+
+}  // namespace cuesta::tiles
