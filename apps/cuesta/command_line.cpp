@@ -502,17 +502,20 @@ void add_export(CLI::App& program, Common& common) {
       "A mesh is uniform: by error, by triangle count, or in full. Or of a view: with --camera and --tau.\n"
       "Tells the triangles and the guaranteed error: no vertex of the input is farther from the mesh.\n"
       "Tiles have all levels of detail. 3dtiles (3D Tiles 1.1, for CesiumJS, three.js, Unreal, Unity, QGIS)\n"
-      "become a folder with tileset.json, or one archive where the output ends in .3tz.\n"
+      "become a folder with tileset.json, or one archive where the output ends in .3tz. quantized-mesh\n"
+      "(terrain for CesiumJS) becomes a folder with layer.json; --error is that of its last level.\n"
       "\n"
       "Examples:\n  cuesta export bunny.cuesta -o small.ply --triangles 5000\n"
       "  cuesta export bunny.cuesta -o near.glb --camera \"eye 0,0.1,0.3 target 0,0.1,0\" --tau 1\n"
       "  cuesta export alps.cuesta --format 3dtiles -o alps-tiles\n"
-      "  cuesta export scan.cuesta -o scan.3tz");
+      "  cuesta export scan.cuesta -o scan.3tz\n"
+      "  cuesta export alps.cuesta --format quantized-mesh -o alps-terrain");
   ExportSettings& s = *c.settings;
   add_path(c.app, "FILE", s.file, "a .cuesta file")->required();
   add_path(c.app, "-o,--output", s.output, "mesh (.ply, .obj, .glb), archive (.3tz) or folder to write")->required();
-  add_parsed(c.app, "--format", "FORMAT", "3dtiles, ply, obj or glb; default: what the output's name says",
+  add_parsed(c.app, "--format", "FORMAT", "3dtiles, quantized-mesh, ply, obj or glb; default: what the output's name says",
              one_of<ExportFormat>({{"3dtiles", ExportFormat::tiles_3d},
+                                   {"quantized-mesh", ExportFormat::quantized_mesh},
                                    {"ply", ExportFormat::ply},
                                    {"obj", ExportFormat::obj},
                                    {"glb", ExportFormat::glb}},
@@ -552,7 +555,7 @@ void add_export(CLI::App& program, Common& common) {
   add_quiet(c.app, s.quiet);
   c.runs(common, run_export);
   c.app->parse_complete_callback([error, triangles, full, camera, &s] {
-    if (format_of(s) == ExportFormat::tiles_3d) return;
+    if (format_of(s) == ExportFormat::tiles_3d || format_of(s) == ExportFormat::quantized_mesh) return;
     if (error->empty() && triangles->empty() && full->empty() && camera->empty())
       throw CLI::RequiredError("One of --error, --triangles, --full and --camera");
   });

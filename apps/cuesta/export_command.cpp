@@ -65,7 +65,8 @@ Result<void> check_format(const ExportSettings& s) {
                 "meshes are written as .ply, .obj or .glb, tiles as .3tz or with --format, found \"" +
                     s.output.extension().string() + "\"");
   }
-  if (s.format == ExportFormat::tiles_3d && by_name == ExportFormat::by_name) return {};
+  const bool tiles = s.format == ExportFormat::tiles_3d || s.format == ExportFormat::quantized_mesh;
+  if (tiles && by_name == ExportFormat::by_name) return {};
   return fail(ErrorCode::invalid_input, s.output.string(), "", "the name's extension is of another format than --format");
 }
 
@@ -74,6 +75,8 @@ Result<void> export_tiles(const ExportSettings& s) {
   tiles.file = s.file;
   tiles.output = s.output;
   tiles.options = {s.tile_triangles, s.border_share, s.cache_bytes};
+  tiles.terrain = s.format == ExportFormat::quantized_mesh;
+  tiles.finest_error_m = s.error.value_or(0);
   tiles.json = s.json;
   tiles.quiet = s.quiet;
   return run_export_tiles(tiles);
@@ -115,7 +118,8 @@ ExportFormat format_of(const ExportSettings& s) {
 
 Result<void> run_export(const ExportSettings& s) {
   if (auto r = check_format(s); !r) return r;
-  if (format_of(s) == ExportFormat::tiles_3d) return export_tiles(s);
+  const ExportFormat format = format_of(s);
+  if (format == ExportFormat::tiles_3d || format == ExportFormat::quantized_mesh) return export_tiles(s);
   const auto kind = ContainerReader::kind_of(s.file);
   if (!kind) return fail(kind.error());
   if (*kind == ContainerKind::scene) return run_scene_export(s);

@@ -10,10 +10,10 @@
 namespace cuesta::app {
 
 /// By itself what the output's name says: .ply, .obj and .glb are meshes, .3tz is 3D Tiles.
-enum class ExportFormat : std::uint8_t { by_name, ply, obj, glb, tiles_3d };
+enum class ExportFormat : std::uint8_t { by_name, ply, obj, glb, tiles_3d, quantized_mesh };
 
 /// Exactly one of error, triangles, full and camera; triangles may also be a budget beside error or camera.
-/// Tiles have none of them.
+/// 3D Tiles have none of them; quantized-mesh may have an error, of its last level.
 struct ExportSettings {
   std::filesystem::path file, output;
   ExportFormat format = ExportFormat::by_name;

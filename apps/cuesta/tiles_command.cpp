@@ -28,20 +28,40 @@ void tell(const TilesSettings& s, const tiles::TilesReport& r) {
              byte_count(r.bytes), r.root_error);
 }
 
-}  // namespace
+std::uint64_t cache_bytes(const TilesSettings& s) {
+  return s.options.cache_bytes > 0 ? s.options.cache_bytes : physical_memory_bytes() / 2;
+}
 
-Result<void> run_export_tiles(const TilesSettings& s) {
-  Progress progress(s.quiet);
+tiles::TileProgress teller(Progress& progress) {
+  return [&progress](const tiles::TilesReport& r) {
+    progress.update("tiles", Unit::triangles, r.triangles, 0);
+    return check_stop();
+  };
+}
+
+Result<tiles::TilesReport> write_tiles(const TilesSettings& s, Progress& progress) {
   tiles::TileOptions options = s.options;
-  if (options.cache_bytes == 0) options.cache_bytes = physical_memory_bytes() / 2;
+  options.cache_bytes = cache_bytes(s);
   auto producer = tiles::TileProducer::open(s.file, options);
   if (!producer) return fail(producer.error());
   auto files = tiles::tile_files(s.output);
   if (!files) return fail(files.error());
-  const auto report = tiles::export_tiles(**producer, **files, [&](const tiles::TilesReport& r) {
-    progress.update("tiles", Unit::triangles, r.triangles, 0);
-    return check_stop();
-  });
+  return tiles::export_tiles(**producer, **files, teller(progress));
+}
+
+Result<tiles::TilesReport> write_terrain(const TilesSettings& s, Progress& progress) {
+  auto pyramid = tiles::TerrainPyramid::open(s.file, {s.finest_error_m, cache_bytes(s)});
+  if (!pyramid) return fail(pyramid.error());
+  auto files = tiles::tile_folder(s.output);
+  if (!files) return fail(files.error());
+  return tiles::export_terrain(**pyramid, **files, teller(progress));
+}
+
+}  // namespace
+
+Result<void> run_export_tiles(const TilesSettings& s) {
+  Progress progress(s.quiet);
+  const auto report = s.terrain ? write_terrain(s, progress) : write_tiles(s, progress);
   if (!report) return fail(report.error());
   progress.finish();
   (s.json ? tell_json : tell)(s, *report);

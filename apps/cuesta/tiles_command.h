@@ -1,5 +1,5 @@
 #pragma once
-/// cuesta export --format 3dtiles: a .cuesta file as 3D Tiles.
+/// cuesta export --format 3dtiles and quantized-mesh: a .cuesta file as tiles.
 
 #include <filesystem>
 
@@ -10,6 +10,8 @@ namespace cuesta::app {
 struct TilesSettings {
   std::filesystem::path file, output;  ///< a folder, or a .3tz archive
   tiles::TileOptions options;          ///< cache_bytes 0: half of the machine's memory
+  bool terrain = false;                ///< quantized-mesh
+  double finest_error_m = 0;           ///< of it
   bool json = false, quiet = false;
 };
 

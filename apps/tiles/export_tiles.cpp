@@ -1,6 +1,7 @@
 #include "apps/tiles/export_tiles.h"
 
 #include <algorithm>
+#include <string>
 
 namespace cuesta::tiles {
 namespace {
@@ -77,6 +78,32 @@ class TileExport {
 Result<TilesReport> export_tiles(TileProducer& producer, TileFiles& files, const TileProgress& progress,
                                  std::size_t levels) {
   return TileExport(producer, files, progress, levels).run();
+}
+
+Result<TilesReport> export_terrain(TerrainPyramid& pyramid, TileFiles& files, const TileProgress& progress) {
+  TilesReport report;
+  const std::string layer = pyramid.layer_json();
+  if (auto r = files.add("layer.json", std::as_bytes(std::span(layer))); !r) return fail(r.error());
+  report.bytes = layer.size();
+  report.levels = pyramid.last_level() + 1;
+  report.root_error = pyramid.error_of(0);
+  for (std::uint32_t level = 0; level <= pyramid.last_level(); ++level)
+    for (const TerrainTileId& id : pyramid.tiles(level)) {
+      auto mesh = pyramid.mesh(id);
+      if (!mesh) return fail(mesh.error());
+      auto bytes = TerrainPyramid::encode(*mesh);
+      if (!bytes) return fail(bytes.error());
+      const std::string name =
+          std::to_string(id.z) + "/" + std::to_string(id.x) + "/" + std::to_string(id.y) + ".terrain";
+      if (auto r = files.add(name, *bytes); !r) return fail(r.error());
+      ++report.tiles;
+      report.leaves += level == pyramid.last_level();
+      report.triangles += mesh->triangles.size();
+      report.bytes += bytes->size();
+      if (auto r = progress(report); !r) return fail(r.error());
+    }
+  if (auto r = files.finish(); !r) return fail(r.error());
+  return report;
 }
 
 }  // namespace cuesta::tiles

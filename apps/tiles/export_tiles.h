@@ -1,8 +1,9 @@
 #pragma once
-/// All tiles of a file, one after the other, into a folder or an archive.
+/// All tiles of a file, of either kind, one after the other, into a folder or an archive.
 
 #include <functional>
 
+#include "apps/tiles/terrain_pyramid.h"
 #include "apps/tiles/tile_files.h"
 #include "apps/tiles/tile_producer.h"
 
@@ -25,5 +26,8 @@ using TileProgress = std::function<Result<void>(const TilesReport&)>;
 /// @error of the producer, of `files`, of `progress`; invalid_input: no triangles.
 Result<TilesReport> export_tiles(TileProducer& producer, TileFiles& files, const TileProgress& progress,
                                  std::size_t levels = 4);
+
+/// Writes layer.json and z/x/y.terrain.   @error of the pyramid, of `files`, of `progress`.
+Result<TilesReport> export_terrain(TerrainPyramid& pyramid, TileFiles& files, const TileProgress& progress);
 
 }  // namespace cuesta::tiles

@@ -19,9 +19,8 @@ Result<std::unique_ptr<TileCut>> TileCut::open(const std::filesystem::path& file
   return std::unique_ptr<TileCut>(new TileCut(std::move(*cut)));
 }
 
-Result<TilePiece> TileCut::piece(const SurfacePart& part, double error, double border_share) {
-  const Grid& grid = directory().grid;
-  const ErrorScale scale = ErrorScale::part(grid, part, border_share);
+Result<TileMesh> TileCut::around(const SurfacePart& part, double error, double border_share) {
+  const ErrorScale scale = ErrorScale::part(directory().grid, part, border_share);
   AdaptReport report;
   do report = cut_->adapt(scale, error, {});
   while (!report.settled && report.bound_by != Binding::resident_bytes && cut_->cache().errors().empty());
@@ -30,14 +29,22 @@ Result<TilePiece> TileCut::piece(const SurfacePart& part, double error, double b
     return fail(ErrorCode::out_of_budget, "", "",
                 "a tile does not fit the page cache of " + std::to_string(cut_->cache().budget_bytes()) +
                     " bytes; give more with --cache, or ask for smaller tiles");
-  TilePiece piece{around(part)};
+  TileMesh mesh = drawn(part);
   if (!directory().has_normals) {
-    sort(piece.mesh);
-    add_normals(piece.mesh);
+    sort(mesh);
+    add_normals(mesh);
   }
+  return mesh;
+}
+
+Result<TilePiece> TileCut::piece(const SurfacePart& part, double error, double border_share) {
+  auto mesh = around(part, error, border_share);
+  if (!mesh) return fail(mesh.error());
+  TilePiece piece{std::move(*mesh)};
   // A vertex of the file at the border is near to a point of the mesh that is this far outside at most.
-  piece.margin = (error * border_share + grid.snap_error()) / grid.step;
-  const double least = piece.margin;
+  const Grid& grid = directory().grid;
+  const double least = (error * border_share + grid.snap_error()) / grid.step;
+  piece.margin = least;
   for (const PartBorder& b : part.borders) {
     const double margin = least + bow(piece.mesh, b);
     piece.margin = std::max(piece.margin, margin);
@@ -49,7 +56,7 @@ Result<TilePiece> TileCut::piece(const SurfacePart& part, double error, double b
 }
 
 /// The triangles of all pages that reach into the part.
-TileMesh TileCut::around(const SurfacePart& part) {
+TileMesh TileCut::drawn(const SurfacePart& part) {
   const DrawList list = cut_->draw_list();
   number_.resize(list.vertices.size(), not_used);
   TileMesh mesh;

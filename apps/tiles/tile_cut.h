@@ -30,10 +30,13 @@ class TileCut {
   /// @error of reading pages; out_of_budget: the piece does not fit the cache.
   /// @cost what changes from the piece before, and O(fans of resident pages).
   Result<TilePiece> piece(const SurfacePart& part, double error, double border_share);
+  /// The same before it is cut: the triangles of all pages that reach into the part, coarse ones outside of
+  /// it.
+  Result<TileMesh> around(const SurfacePart& part, double error, double border_share);
 
  private:
   explicit TileCut(std::unique_ptr<Cut> cut) : cut_(std::move(cut)) {}
-  TileMesh around(const SurfacePart& part);
+  TileMesh drawn(const SurfacePart& part);
 
   std::unique_ptr<Cut> cut_;
   std::vector<std::uint32_t> number_;  // of vertex slots in the mesh being made
