@@ -16,8 +16,9 @@ namespace cuesta {
 struct FrameWork {
   double objects = 0;
   double triangles = 0;
-  double pixels = 0;             ///< covered by the objects' bounds inside of the picture, overlaps counted
-  double changed_triangles = 0;  ///< whose indices are extracted and uploaded anew for this frame
+  double pixels = 0;  ///< covered by the objects' bounds inside of the picture, overlaps counted
+  double changed_triangles =
+      0;  ///< whose indices, and vertices that, are made and uploaded anew for this frame
 };
 
 struct MeasuredFrame {
@@ -39,7 +40,9 @@ class CostModel {
   explicit CostModel(std::span<const MeasuredFrame> measured = {});
 
   const Costs& costs() const { return costs_; }
+  double object_ms() const { return costs_[1]; }
   double triangle_ms() const { return costs_[2]; }
+  double changed_triangle_ms() const { return costs_[4]; }
   /// Half of all frames take less, about.
   double predict_ms(const FrameWork& work) const;
   /// Measured over predicted time: what a share `quantile` of the last 256 frames, calibration included,

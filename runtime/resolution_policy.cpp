@@ -1,6 +1,7 @@
 #include "runtime/resolution_policy.h"
 
 #include <algorithm>
+#include <numeric>
 #include <vector>
 
 #include "ooc/check.h"
@@ -22,16 +23,44 @@ class PredictivePolicy final : public ResolutionPolicy {
       cost_[i] = triangle_ms * objects.triangles[i];
     }
     const double budget = task.deadline_ms / costs_.ratio(options_.quantile) - costs_.predict_ms(task.fixed);
-    return choose_resolutions({interest_, cost_, objects.r_min, budget, options_.alpha}, scratch_, r,
-                              out_of_time)
-        .outcome;
+    const auto problem = ResolutionProblem{interest_, cost_, objects.r_min, budget, options_.alpha};
+    const ResolutionOutcome outcome = choose_resolutions(problem, scratch_, r, out_of_time).outcome;
+    if (outcome == ResolutionOutcome::infeasible) leave_out_least(objects, budget, r);
+    return outcome;
   }
   void measured(double, double) override {}
 
  private:
+  /// Keeps the objects of most interest as far as their coarsest, and the calls that draw them, fit.
+  /// @param budget  after the costs of all objects   @cost O(objects): each step halves those that are
+  /// undecided
+  void leave_out_least(const VisibleObjects& objects, double budget, std::span<float> r) {
+    order_.resize(r.size());
+    std::iota(order_.begin(), order_.end(), 0u);
+    double left = budget + costs_.object_ms() * double(r.size());
+    auto from = order_.begin(), to = order_.end();
+    while (from < to) {
+      const auto middle = from + (to - from) / 2;
+      std::nth_element(from, middle, to, [&](std::uint32_t a, std::uint32_t b) {
+        return interest_[a] != interest_[b] ? interest_[a] > interest_[b] : a < b;
+      });
+      double cost = 0;
+      for (auto i = from; i <= middle; ++i)
+        cost += costs_.object_ms() + double(cost_[*i]) * double(objects.r_min[*i]);
+      if (cost > left) {
+        to = middle;
+      } else {
+        left -= cost;
+        from = middle + 1;
+      }
+    }
+    for (; from < order_.end(); ++from) r[*from] = 0;
+  }
+
   const CostModel& costs_;
   PredictiveOptions options_;
   std::vector<float> interest_, cost_;
+  std::vector<std::uint32_t> order_;
   ResolutionScratch scratch_;
 };
 

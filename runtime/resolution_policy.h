@@ -48,7 +48,8 @@ struct FrameTask {
 class ResolutionPolicy {
  public:
   virtual ~ResolutionPolicy() = default;
-  /// @param r  one per object; r_min ≤ r ≤ 1
+  /// @param r  one per object; r_min ≤ r ≤ 1. Where not even r_min of all fits the deadline, the predictive
+  /// policy gives 0 to those of least interest: they are not to be drawn (outcome infeasible).
   /// @param out_of_time  ends the choice early, with a feasible answer
   /// @cost O(objects). No allocation after warm-up.
   virtual ResolutionOutcome choose(const VisibleObjects& objects, const FrameTask& task, std::span<float> r,

@@ -121,13 +121,33 @@ TEST(ResolutionPolicy, PredictiveGivesMoreToWhatInterestsMore) {
   EXPECT_NEAR(r[3] / r[0], 3, 1e-4);
 }
 
-TEST(ResolutionPolicy, PredictiveReportsWhatCannotBeHeld) {
+TEST(ResolutionPolicy, PredictiveLeavesOutTheLeastWhereNotAllFit) {
   CostModel costs = calibrated();
   const Objects crowd(50'000);  // 500 ms of objects alone
+  const VisibleObjects view = crowd.view();
   std::vector<float> r(50'000);
-  EXPECT_EQ(predictive_policy(costs)->choose(crowd.view(), {deadline_ms, {50'000, 0, 0, 0}}, r, {}),
+  EXPECT_EQ(predictive_policy(costs)->choose(view, {deadline_ms, {50'000, 0, 0, 0}}, r, {}),
             ResolutionOutcome::infeasible);
-  EXPECT_EQ(r, crowd.r_min);
+  float least_kept = 1, most_left_out = 0;
+  FrameWork work;
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    ASSERT_TRUE(r[i] == 0 || r[i] == crowd.r_min[i]);
+    if (r[i] == 0) most_left_out = std::max(most_left_out, crowd.coverage[i]);
+    if (r[i] > 0) least_kept = std::min(least_kept, crowd.coverage[i]);
+    if (r[i] > 0) ++work.objects, work.triangles += double(r[i]) * double(crowd.triangles[i]);
+  }
+  EXPECT_GE(least_kept, most_left_out);
+  const double aim = deadline_ms / costs.ratio(0.99);
+  EXPECT_LE(costs.predict_ms(work), aim + 1e-6);
+  EXPECT_GT(costs.predict_ms(work), aim - 0.1) << "as many as fit";
+}
+
+TEST(ResolutionPolicy, PredictiveDrawsNothingWhenEvenTheFrameIsTooDear) {
+  CostModel costs = calibrated();
+  const Objects few(10);
+  std::vector<float> r(10);
+  predictive_policy(costs)->choose(few.view(), {0.5, {10, 0, 0, 0}}, r, {});
+  EXPECT_EQ(r, std::vector<float>(10));
 }
 
 TEST(ResolutionPolicy, AShareIsABudgetOfTriangles) {

@@ -1,0 +1,329 @@
+#include "runtime/live_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ooc/check.h"
+
+namespace cuesta {
+namespace {
+
+std::unique_ptr<ResolutionPolicy> make_policy(const SceneSettings& s, const CostModel& costs) {
+  if (s.policy == PolicyKind::stress) return stress_policy(s.stress);
+  if (s.policy == PolicyKind::fixed) return fixed_policy(s.fixed_full_coverage);
+  return predictive_policy(costs, s.predictive);
+}
+
+bool has_surfaces(const SceneDirectory& directory) {
+  return std::any_of(directory.parts.begin(), directory.parts.end(),
+                     [](const ScenePartEntry& p) { return !p.is_tom(); });
+}
+
+/// Lengths in a part's frame become about so much longer in the world.
+double mean_scale(const Affine& world) {
+  return std::cbrt(std::abs(determinant(world)));
+}
+
+/// Triangles of the first segment whose error is allowed; all if none is. Between segments by powers, as
+/// errors fall.
+double triangles_for_error(const ScenePartEntry& part, double allowed) {
+  const std::vector<TomSegment>& s = part.segments;
+  if (double(s.front().error) <= allowed) return s.front().triangles;
+  for (std::size_t i = 1; i < s.size(); ++i) {
+    if (double(s[i].error) > allowed) continue;
+    if (!(s[i].error > 0)) return s[i].triangles;
+    const double t =
+        std::log(double(s[i - 1].error) / allowed) / std::log(double(s[i - 1].error) / double(s[i].error));
+    return std::max(1.0, double(s[i - 1].triangles)) *
+           std::pow(double(s[i].triangles) / std::max(1.0, double(s[i - 1].triangles)), t);
+  }
+  return double(part.triangles);
+}
+
+/// The inverse of a map that does not flatten; else the map itself, whose objects have no surface to see.
+Affine inverse(const Affine& a) {
+  const double d = determinant(a);
+  if (d == 0) return a;
+  const Vec3d r0 = cross(a.columns[1], a.columns[2]) / d, r1 = cross(a.columns[2], a.columns[0]) / d,
+              r2 = cross(a.columns[0], a.columns[1]) / d;
+  Affine out;
+  out.columns = {Vec3d{r0.x, r1.x, r2.x}, Vec3d{r0.y, r1.y, r2.y}, Vec3d{r0.z, r1.z, r2.z}};
+  out.translation = -out.vector(a.translation);
+  return out;
+}
+
+/// The same view as seen from within an instance.
+View view_within(const Affine& world, View view) {
+  const Affine in = inverse(world);
+  const Vec3d target = view.eye - view.frame()[2];
+  view.target = in.point(target);
+  view.up = in.vector(view.up);
+  view.eye = in.point(view.eye);
+  return view;
+}
+
+}  // namespace
+
+LiveScene::LiveScene(const SceneDirectory& directory, SceneSources sources, const SceneSettings& settings,
+                     Clock clock)
+    : directory_(directory),
+      clock_(std::move(clock)),
+      instances_(instances_of(directory.scene)),
+      pose_(directory.scene),
+      balls_(instances_.size()),
+      instance_of_node_(directory.scene.nodes.size(), no_index),
+      weight_(directory.scene.nodes.size(), 1.0f),
+      cuts_(instances_.size()),
+      store_(directory.parts, std::move(sources.tom),
+             settings.cache_bytes / (has_surfaces(directory) ? 2 : 1), settings.load_threads),
+      indices_(settings.index_bytes),
+      policy_(make_policy(settings, costs_)),
+      shown_(directory.parts.size()) {
+  for (std::uint32_t i = 0; i < instances_.size(); ++i) {
+    instance_of_node_[instances_[i].node] = i;
+    balls_[i] = ball_of(pose_.world(instances_[i].node), directory.parts[instances_[i].part].box);
+  }
+}
+
+Result<std::unique_ptr<LiveScene>> LiveScene::open(const SceneDirectory& directory, SceneSources sources,
+                                                   const SceneSettings& settings, Clock clock) {
+  auto scene = std::unique_ptr<LiveScene>(new LiveScene(directory, sources, settings, std::move(clock)));
+  if (auto ok = scene->open_surfaces(sources, settings); !ok) return fail(ok.error());
+  return scene;
+}
+
+Result<void> LiveScene::open_surfaces(const SceneSources& sources, const SceneSettings& settings) {
+  const auto is_surface = [this](const SceneInstance& i) { return !directory_.parts[i.part].is_tom(); };
+  const auto count = std::count_if(instances_.begin(), instances_.end(), is_surface);
+  for (std::size_t i = 0; i < instances_.size(); ++i) {
+    if (!is_surface(instances_[i])) continue;
+    auto cut =
+        sources.surface(instances_[i].part, settings.cache_bytes / 2 / static_cast<std::uint64_t>(count));
+    if (!cut) return fail(cut.error());
+    cuts_[i] = std::move(*cut);
+  }
+  return {};
+}
+
+void LiveScene::move_instances() {
+  for (const std::uint32_t node : pose_.update())
+    if (const std::uint32_t i = instance_of_node_[node]; i != no_index)
+      balls_[i] = ball_of(pose_.world(node), directory_.parts[instances_[i].part].box);
+}
+
+void LiveScene::add_visible(std::uint32_t instance, const ViewCone::Footprint& footprint, double nearest,
+                            const View& view, const SceneFrameOptions& options) {
+  const SceneInstance& in = instances_[instance];
+  const ScenePartEntry& part = directory_.parts[in.part];
+  const double picture = double(view.width_px) * double(view.height_px);
+  double full = double(part.triangles), least = 0;
+  if (part.is_tom()) {
+    const double scale = mean_scale(pose_.world(in.node));
+    full = triangles_for_error(part,
+                               options.tau_px * nearest / view.pixels_per_unit() / std::max(scale, 1e-300));
+    least = part.segments.front().triangles;
+  } else {
+    // A cut is view-dependent: it needs no more than a few triangles for each pixel and tau squared.
+    full = std::min(full, 2 * footprint.coverage * picture / (options.tau_px * options.tau_px));
+  }
+  visible_.push_back(instance);
+  coverage_.push_back(static_cast<float>(footprint.coverage));
+  focus_.push_back(focus_at(footprint.from_centre));
+  weights_.push_back(weight_[in.node]);
+  triangles_.push_back(static_cast<float>(std::max(full, 1.0)));
+  r_min_.push_back(static_cast<float>(std::clamp(least / std::max(full, 1.0), 0.0, 1.0)));
+  pixels_ += footprint.coverage * picture;
+}
+
+void LiveScene::find_visible(const View& view, const SceneFrameOptions& options) {
+  for (auto* v : {&coverage_, &focus_, &weights_, &triangles_, &r_min_}) v->clear();
+  visible_.clear();
+  pixels_ = 0;
+  const ViewCone cone(view);
+  for (std::uint32_t i = 0; i < instances_.size(); ++i) {
+    const Ball& ball = balls_[i];
+    if (!(ball.radius > 0) || !cone.may_see(ball)) continue;
+    const ViewCone::Footprint footprint = cone.footprint(ball);
+    if (footprint.diameter_px < options.least_px) continue;
+    const double nearest = std::max(length(ball.centre - view.eye) - ball.radius, 0.0);
+    add_visible(i, footprint, nearest, view, options);
+  }
+}
+
+void LiveScene::choose(const SceneFrameOptions& options, SceneFrameReport& report) {
+  r_.resize(visible_.size());
+  const double start = clock_();
+  if (options.uniform) {
+    for (std::size_t i = 0; i < r_.size(); ++i)
+      r_[i] = std::max(r_min_[i], static_cast<float>(*options.uniform));
+    report.outcome = ResolutionOutcome::heuristic;
+  } else {
+    const FrameTask task{options.deadline_ms, {double(visible_.size()), 0, pixels_, reserved_changes_}};
+    report.outcome = policy_->choose({coverage_, focus_, weights_, triangles_, r_min_}, task, r_,
+                                     [&] { return clock_() - start > options.most_choice_ms; });
+  }
+  report.optimisation_ms = clock_() - start;
+}
+
+void LiveScene::request_parts() {
+  for (std::size_t k = 0; k < visible_.size(); ++k) {
+    const std::uint32_t part = instances_[visible_[k]].part;
+    if (directory_.parts[part].is_tom())
+      store_.want(part, double(r_[k]) * double(triangles_[k]),
+                  double(coverage_[k]) * double(focus_[k] * weights_[k]));
+  }
+}
+
+/// Time for twice what changed of late; a flight that begins to move gets more from frame to frame.
+void LiveScene::reserve_changes(const SceneFrameOptions& options) {
+  constexpr double least_share = 0.02;
+  const double per_ms = 1 / std::max(costs_.changed_triangle_ms(), 1e-9);
+  const double most = options.change_share * options.deadline_ms * per_ms;
+  reserved_changes_ = options.uniform ? 1e15 : std::clamp(2 * wished_changes_, most * least_share, most);
+}
+
+/// What is resident, or, while that would be too much to send at once, what was shown in the last frame.
+const std::shared_ptr<const Tom>& LiveScene::tom_to_show(std::uint32_t part) {
+  const std::shared_ptr<const Tom>& now = store_.tom(part);
+  Shown& shown = shown_[part];
+  shown.frame = frame_;
+  if (!now || now == shown.tom) return shown.tom = now;
+  const bool fits = double(new_vertices_ + indices_.extracted_triangles() + now->full()) <= reserved_changes_;
+  if (!fits && shown.tom) {
+    denied_vertices_ += now->full();
+    return shown.tom;
+  }
+  new_vertices_ += now->full();
+  return shown.tom = now;
+}
+
+/// What was shown would else stay in memory, unknown to the store.
+void LiveScene::forget_unseen() {
+  for (Shown& shown : shown_)
+    if (shown.frame != frame_) shown.tom.reset();
+}
+
+void LiveScene::choose_blocks() {
+  choices_.clear();
+  new_vertices_ = denied_vertices_ = 0;
+  for (std::size_t k = 0; k < visible_.size(); ++k) {
+    const SceneInstance& in = instances_[visible_[k]];
+    if (cuts_[visible_[k]] || r_[k] <= 0) continue;
+    const auto& tom = tom_to_show(in.part);
+    if (!tom) continue;
+    const double all = double(directory_.parts[in.part].triangles);
+    const double wanted = rung_triangles(std::clamp(double(r_[k]) * double(triangles_[k]), 1.0, all), all);
+    const Resolution n = resolution_of_triangles(*tom, static_cast<std::uint32_t>(std::min(wanted, 4e9)));
+    const double left = std::max(0.0, reserved_changes_ - double(new_vertices_));
+    choices_.push_back({visible_[k], indices_.get(in.part, *tom, n, static_cast<std::uint64_t>(left)),
+                        determinant(pose_.world(in.node)) < 0});
+  }
+}
+
+void LiveScene::group_toms() {
+  drawn_.clear(), groups_.clear();
+  std::sort(choices_.begin(), choices_.end(), [](const Choice& a, const Choice& b) {
+    return a.block->id != b.block->id ? a.block->id < b.block->id
+           : a.mirrored != b.mirrored ? b.mirrored
+                                      : a.instance < b.instance;
+  });
+  for (const Choice& c : choices_) {
+    const SceneInstance& in = instances_[c.instance];
+    if (groups_.empty() || groups_.back().indices != c.block || groups_.back().mirrored != c.mirrored)
+      groups_.push_back(
+          {in.part, shown_[in.part].tom, c.block, static_cast<std::uint32_t>(drawn_.size()), 0, c.mirrored});
+    ++groups_.back().count;
+    const bool own_colours = directory_.parts[in.part].attributes.colours;
+    drawn_.push_back({pose_.world(in.node), own_colours
+                                                ? Rgba8{255, 255, 255, 255}
+                                                : directory_.scene.materials[in.material].base_colour});
+  }
+}
+
+void LiveScene::adapt_surfaces(const View& view, const SceneFrameOptions& options, SceneFrameReport& report) {
+  surfaces_.clear();
+  for (std::size_t k = 0; k < visible_.size(); ++k) {
+    Cut* const cut = cuts_[visible_[k]].get();
+    if (!cut || r_[k] <= 0) continue;
+    const SceneInstance& in = instances_[visible_[k]];
+    const Affine& world = pose_.world(in.node);
+    Budgets budgets;
+    if (!options.uniform) {
+      budgets.triangles = triangle_budget(r_[k], double(triangles_[k]));
+      budgets.adapt_ms = options.change_share * options.deadline_ms;
+    }
+    const View within = view_within(world, view);
+    const auto scale = ErrorScale::perspective(cut->directory().grid, within, 4);
+    const AdaptReport adapted = cut->adapt(scale, options.tau_px, budgets);
+    report.surface_bytes += adapted.resident_bytes;
+    report.store.missing += adapted.pages_missing;
+    surfaces_.push_back({visible_[k],
+                         cut->draw_list(scale),
+                         {world, directory_.scene.materials[in.material].base_colour},
+                         within.eye,
+                         determinant(world) < 0});
+  }
+}
+
+void LiveScene::count_work(SceneFrameReport& report) {
+  report.visible_objects = static_cast<std::uint32_t>(visible_.size());
+  for (const std::uint32_t i : visible_)
+    report.visible_triangles += directory_.parts[instances_[i].part].triangles;
+  report.drawn_objects = static_cast<std::uint32_t>(drawn_.size() + surfaces_.size());
+  for (const DrawnGroup& g : groups_)
+    report.drawn_triangles += std::uint64_t{g.count} * g.indices->triangles.size();
+  for (const DrawnSurface& s : surfaces_)
+    for (const Range& range : s.list.draws) report.drawn_triangles += range.count / 3;
+  report.changed_triangles = indices_.extracted_triangles() + new_vertices_;
+  work_ = {double(report.drawn_objects), double(report.drawn_triangles), pixels_,
+           double(report.changed_triangles)};
+  const double wished = double(report.changed_triangles + indices_.denied_triangles() + denied_vertices_);
+  wished_changes_ += 0.3 * (wished - wished_changes_);
+}
+
+SceneFrameReport LiveScene::frame(const View& view, const SceneFrameOptions& options) {
+  CUESTA_CHECK(options.deadline_ms > 0 && options.tau_px > 0, options.deadline_ms, options.tau_px);
+  SceneFrameReport report;
+  const double start = clock_();
+  deadline_ms_ = report.desired_ms = options.deadline_ms;
+  ++frame_;
+  indices_.begin_frame();
+  move_instances();
+  find_visible(view, options);
+  reserve_changes(options);
+  choose(options, report);
+  request_parts();
+  report.store = store_.update();
+  choose_blocks();
+  group_toms();
+  forget_unseen();
+  adapt_surfaces(view, options, report);
+  indices_.end_frame();
+  count_work(report);
+  report.predicted_ms = costs_.predict_ms(work_);
+  report.choice_ms = clock_() - start;
+  return report;
+}
+
+void LiveScene::measured(double ms) {
+  costs_.observe(work_, ms);
+  policy_->measured(ms, deadline_ms_);
+}
+
+SceneFrameReport LiveScene::settle(const View& view, const SceneFrameOptions& options, int most) {
+  SceneFrameReport report = frame(view, options);
+  for (int i = 1; i < most && report.store.missing > report.store.waiting_for_budget; ++i) {
+    store_.wait();
+    report = frame(view, options);
+  }
+  return report;
+}
+
+Box3d LiveScene::bounds() const {
+  Box3d box;
+  for (const SceneInstance& in : instances_)
+    box.add(map_box(pose_.world(in.node), directory_.parts[in.part].box));
+  return box;
+}
+
+}  // namespace cuesta
