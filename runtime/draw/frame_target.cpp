@@ -69,6 +69,16 @@ void FrameTarget::end() {
                       GL_NEAREST);
 }
 
+void FrameTarget::copy_to_window(int width_px, int height_px) const {
+  const bool same_size = width_px == width_px_ && height_px == height_px_;
+  gl_.Disable(GL_FRAMEBUFFER_SRGB);  // the bytes as they are
+  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, picture());
+  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+  gl_.BlitFramebuffer(0, 0, width_px_, height_px_, 0, 0, width_px, height_px, GL_COLOR_BUFFER_BIT,
+                      same_size ? GL_NEAREST : GL_LINEAR);
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, 0);
+}
+
 Picture FrameTarget::read() const {
   if (samples_ == 0) return {};
   Picture picture{width_px_, height_px_, {}};

@@ -24,6 +24,8 @@ class FrameTarget {
   void end();
   /// Holds the picture of the last `end()`: one sample per pixel. 0 before that.
   GLuint picture() const { return samples_ > 1 ? resolved_.framebuffer : drawn_.framebuffer; }
+  /// Into the context's own framebuffer, scaled to its size.
+  void copy_to_window(int width_px, int height_px) const;
   int width_px() const { return width_px_; }
   int height_px() const { return height_px_; }
   /// The picture of the last `end()`; empty before that.

@@ -43,10 +43,13 @@ namespace cuesta {
   X(PFNGLDRAWARRAYSPROC, DrawArrays)                                         \
   X(PFNGLDRAWARRAYSINSTANCEDPROC, DrawArraysInstanced)                       \
   X(PFNGLDRAWELEMENTSPROC, DrawElements)                                     \
+  X(PFNGLDRAWELEMENTSINSTANCEDPROC, DrawElementsInstanced)                   \
   X(PFNGLENABLEPROC, Enable)                                                 \
   X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)               \
   X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)               \
   X(PFNGLFRAMEBUFFERTEXTURE2DPROC, FramebufferTexture2D)                     \
+  X(PFNGLFINISHPROC, Finish)                                                 \
+  X(PFNGLFRONTFACEPROC, FrontFace)                                           \
   X(PFNGLGENBUFFERSPROC, GenBuffers)                                         \
   X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                               \
   X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                             \
@@ -76,6 +79,7 @@ namespace cuesta {
   X(PFNGLUNIFORM3IPROC, Uniform3i)                                           \
   X(PFNGLUNIFORMMATRIX3FVPROC, UniformMatrix3fv)                             \
   X(PFNGLUSEPROGRAMPROC, UseProgram)                                         \
+  X(PFNGLVERTEXATTRIB4FVPROC, VertexAttrib4fv)                               \
   X(PFNGLVERTEXATTRIBDIVISORPROC, VertexAttribDivisor)                       \
   X(PFNGLVERTEXATTRIBIPOINTERPROC, VertexAttribIPointer)                     \
   X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                       \

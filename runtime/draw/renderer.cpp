@@ -7,6 +7,7 @@
 
 #include "ooc/check.h"
 #include "runtime/draw/camera_matrices.h"
+#include "runtime/draw/frame_state.h"
 #include "runtime/draw/frame_target.h"
 #include "runtime/draw/gl_program.h"
 #include "runtime/draw/gpu_object.h"
@@ -18,17 +19,7 @@
 namespace cuesta {
 namespace {
 
-constexpr int antialias_samples = 4;
 constexpr std::size_t shading_count = 6;
-
-float linear_from_srgb(std::uint8_t value) {
-  const double c = value / 255.0;
-  return static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
-}
-
-Vec3f linear_from_srgb(Rgba8 colour) {
-  return {linear_from_srgb(colour[0]), linear_from_srgb(colour[1]), linear_from_srgb(colour[2])};
-}
 
 tl::unexpected<Error> not_current() {
   return fail(ErrorCode::io, "", "", "the OpenGL context cannot be made current");
@@ -54,7 +45,6 @@ class GlRenderer final : public Renderer {
 
  private:
   void upload(std::span<const DrawList> lists);
-  void set_state(const DrawOptions& options);
   void set_uniforms(const GlProgram& program, const CameraMatrices& camera, const DrawOptions& options);
   void set_relief(const GlProgram& program, const Grid& grid, const View& view, const DrawOptions& options);
   void draw_objects(std::span<const DrawList> lists, const View& view, const DrawOptions& options);
@@ -89,35 +79,15 @@ Result<void> GlRenderer::compile() {
   return check_gl_errors(gl_, "setting up");
 }
 
-void GlRenderer::set_state(const DrawOptions& options) {
-  const Vec3f background = linear_from_srgb(options.background);
-  gl_.Enable(GL_FRAMEBUFFER_SRGB);
-  gl_.Enable(GL_DEPTH_TEST);
-  gl_.DepthFunc(GL_GREATER);
-  if (gl_.ClipControl) gl_.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-  (options.cull_back_faces ? gl_.Enable : gl_.Disable)(GL_CULL_FACE);
-  gl_.ClearColor(background.x, background.y, background.z,
-                 static_cast<float>(options.background[3]) / 255.0f);
-  gl_.ClearDepth(0);
-  gl_.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-}
-
 void GlRenderer::set_uniforms(const GlProgram& program, const CameraMatrices& camera,
                               const DrawOptions& options) {
-  const Vec3f tint = linear_from_srgb(options.surface_colour);
-  const Vec3f key = vec_cast<float>(normalized(options.light_direction));
-  // From the other side and below, more from the side: straight below, sky and fill would cancel to flat
-  // shadows.
-  const Vec3f fill = normalized(Vec3f{-2 * key.x, -0.5f * key.y, 0.5f * key.z});
   program.use();
   gl_.Uniform3i(program.uniform("eye_whole"), camera.eye_whole.x, camera.eye_whole.y, camera.eye_whole.z);
   gl_.Uniform3f(program.uniform("eye_part"), camera.eye_part.x, camera.eye_part.y, camera.eye_part.z);
   gl_.UniformMatrix3fv(program.uniform("rotation"), 1, GL_TRUE, camera.rotation.data());
   gl_.Uniform2f(program.uniform("focal"), camera.focal[0], camera.focal[1]);
   gl_.Uniform1f(program.uniform("near_units"), camera.near_units);
-  gl_.Uniform3f(program.uniform("surface_colour"), tint.x, tint.y, tint.z);
-  gl_.Uniform3f(program.uniform("key_direction"), key.x, key.y, key.z);
-  gl_.Uniform3f(program.uniform("fill_direction"), fill.x, fill.y, fill.z);
+  set_lights(gl_, program, options);
 }
 
 void GlRenderer::set_relief(const GlProgram& program, const Grid& grid, const View& view,
@@ -189,7 +159,7 @@ Result<void> GlRenderer::draw(std::span<const DrawList> lists, const View& view,
   upload(lists);
   const auto begun = target_.begin(view.width_px, view.height_px, options.antialias ? antialias_samples : 1);
   if (!begun) return begun;
-  set_state(options);
+  clear_picture(gl_, options);
   draw_objects(lists, view, options);
   target_.end();
   if (options.page_borders) {
@@ -210,13 +180,7 @@ Result<Picture> GlRenderer::read() {
 
 Result<void> GlRenderer::show(int width_px, int height_px, std::span<const TextBlock> text, int text_scale) {
   if (!context_->make_current()) return not_current();
-  const bool same_size = width_px == target_.width_px() && height_px == target_.height_px();
-  gl_.Disable(GL_FRAMEBUFFER_SRGB);  // the bytes as they are
-  gl_.BindFramebuffer(GL_READ_FRAMEBUFFER, target_.picture());
-  gl_.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-  gl_.BlitFramebuffer(0, 0, target_.width_px(), target_.height_px(), 0, 0, width_px, height_px,
-                      GL_COLOR_BUFFER_BIT, same_size ? GL_NEAREST : GL_LINEAR);
-  gl_.BindFramebuffer(GL_FRAMEBUFFER, 0);
+  target_.copy_to_window(width_px, height_px);
   gl_.Viewport(0, 0, width_px, height_px);
   text_.draw(lay_out(text, text_scale, width_px, height_px), width_px, height_px);
   return check_gl_errors(gl_, "showing the picture");

@@ -3,6 +3,21 @@
 namespace cuesta {
 namespace {
 
+/// What vertex shaders share.
+constexpr const char* decoding_text = R"(
+vec3 decode_normal(ivec2 code) {
+  if (code == ivec2(-32768)) return vec3(0.0);
+  vec2 uv = vec2(code) / 32767.0;
+  float z = 1.0 - abs(uv.x) - abs(uv.y);
+  float fold = max(-z, 0.0);
+  return normalize(vec3(uv.x + (uv.x >= 0.0 ? -fold : fold), uv.y + (uv.y >= 0.0 ? -fold : fold), z));
+}
+
+vec3 linear_from_srgb(vec3 c) {
+  return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), greaterThan(c, vec3(0.04045)));
+}
+)";
+
 constexpr const char* vertex_text = R"(
 layout(location = 0) in ivec3 position;     // grid units
 layout(location = 1) in ivec2 normal_code;  // octahedral
@@ -55,18 +70,6 @@ vec3 relief_at(vec3 d, out float height) {
   return slope / steepness;
 }
 
-vec3 decode_normal(ivec2 code) {
-  if (code == ivec2(-32768)) return vec3(0.0);
-  vec2 uv = vec2(code) / 32767.0;
-  float z = 1.0 - abs(uv.x) - abs(uv.y);
-  float fold = max(-z, 0.0);
-  return normalize(vec3(uv.x + (uv.x >= 0.0 ? -fold : fold), uv.y + (uv.y >= 0.0 ? -fold : fold), z));
-}
-
-vec3 linear_from_srgb(vec3 c) {
-  return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), greaterThan(c, vec3(0.04045)));
-}
-
 void main() {
   vec3 from_eye = vec3(position - eye_whole) - eye_part;
   vec3 normal = decode_normal(normal_code);
@@ -82,6 +85,49 @@ void main() {
   surface.position = rotation * from_eye;
   surface.normal = rotation * normal;
   surface.colour = linear_from_srgb(colour.rgb) * surface_colour;
+  float distance = -surface.position.z;
+#ifdef FRAGMENT_DEPTH
+  float depth = distance - 2.0 * near_units;  // clips at the near plane only
+#else
+  float depth = near_units;
+#endif
+  gl_Position = vec4(focal * surface.position.xy, depth, distance);
+}
+)";
+
+/// A vertex of a part, as an instance of it shows it.
+constexpr const char* instance_vertex_text = R"(
+layout(location = 0) in ivec3 position;     // grid units
+layout(location = 1) in ivec2 normal_code;  // octahedral
+layout(location = 2) in vec4 colour;        // sRGB
+// Rows of the map from grid units about the anchor to the camera's frame, in world units.
+layout(location = 3) in vec4 to_right;
+layout(location = 4) in vec4 to_up;
+layout(location = 5) in vec4 to_back;
+layout(location = 6) in vec4 tint;  // linear
+
+uniform ivec3 anchor;
+uniform vec2 focal;
+uniform float near_units;
+uniform vec3 surface_colour;  // linear
+
+INTERFACE(out, Surface, {
+  vec3 position;  // camera frame, world units
+  vec3 normal;    // camera frame; zero: none
+  vec3 colour;    // linear
+}, surface);
+
+void main() {
+  vec3 n = decode_normal(normal_code);
+  vec4 p = vec4(vec3(position - anchor), 1.0);
+  surface.position = vec3(dot(to_right, p), dot(to_up, p), dot(to_back, p));
+  // The inverse transpose but for its length; rows here, so products of them.
+  vec3 turned = vec3(dot(cross(to_up.xyz, to_back.xyz), n), dot(cross(to_back.xyz, to_right.xyz), n),
+                     dot(cross(to_right.xyz, to_up.xyz), n));
+  float size = length(turned);
+  surface.normal = size > 0.0 ? turned / size : vec3(0.0);
+  if (dot(to_right.xyz, cross(to_up.xyz, to_back.xyz)) < 0.0) surface.normal = -surface.normal;
+  surface.colour = linear_from_srgb(colour.rgb) * surface_colour * tint.rgb;
   float distance = -surface.position.z;
 #ifdef FRAGMENT_DEPTH
   float depth = distance - 2.0 * near_units;  // clips at the near plane only
@@ -270,7 +316,11 @@ void main() {
 #else
   vec3 own_colour = surface.colour;
 #endif
+#ifdef TWO_SIDED
+  vec3 colour = own_colour;
+#else
   vec3 colour = gl_FrontFacing ? own_colour : back_face_colour;
+#endif
 #ifdef NORMALS
   vec3 coded = 0.5 + 0.5 * n;  // the target encodes sRGB: undo it, so that the stored bytes are the normal
   vec3 shade = mix(coded / 12.92, pow((coded + 0.055) / 1.055, vec3(2.4)), greaterThan(coded, vec3(0.04045)));
@@ -324,23 +374,41 @@ std::string head_of(bool fragment_depth, ShaderDialect dialect = ShaderDialect::
          (fragment_depth ? "#define FRAGMENT_DEPTH\n" : "");
 }
 
+std::string define_of(Shading shading) {
+  switch (shading) {
+    case Shading::normals:
+      return "#define NORMALS\n";
+    case Shading::wireframe:
+      return "#define WIREFRAME\n";
+    case Shading::changes:
+      return "#define CHANGES\n";
+    case Shading::pages:
+      return "#define PAGES\n";
+    case Shading::relief:
+      return "#define RELIEF\n";
+    case Shading::lit:
+      break;
+  }
+  return "";
+}
+
 }  // namespace
 
 ShaderSources page_number_shaders(bool fragment_depth) {
   const std::string head = head_of(fragment_depth);
-  return {head + vertex_text, "", head + page_number_text};
+  return {head + decoding_text + vertex_text, "", head + page_number_text};
 }
 
 ShaderSources surface_shaders(Shading shading, bool fragment_depth, ShaderDialect dialect) {
-  std::string head = head_of(fragment_depth, dialect);
-  if (shading == Shading::normals) head += "#define NORMALS\n";
-  if (shading == Shading::wireframe) head += "#define WIREFRAME\n";
-  if (shading == Shading::changes) head += "#define CHANGES\n";
-  if (shading == Shading::pages) head += "#define PAGES\n";
-  if (shading == Shading::relief) head += "#define RELIEF\n";
-  ShaderSources sources{head + vertex_text, "", head + fragment_text};
-  if (shading == Shading::wireframe) sources.geometry = head + wireframe_geometry_text;
-  return sources;
+  const std::string head = head_of(fragment_depth, dialect) + define_of(shading);
+  return {head + decoding_text + vertex_text,
+          shading == Shading::wireframe ? head + wireframe_geometry_text : "", head + fragment_text};
+}
+
+ShaderSources instance_shaders(Shading shading, bool fragment_depth) {
+  const std::string head = head_of(fragment_depth) + define_of(shading) + "#define TWO_SIDED\n";
+  return {head + decoding_text + instance_vertex_text,
+          shading == Shading::wireframe ? head + wireframe_geometry_text : "", head + fragment_text};
 }
 
 }  // namespace cuesta
