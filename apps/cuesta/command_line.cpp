@@ -385,10 +385,13 @@ void add_render(CLI::App& program, Common& common) {
       "plot) into the output folder. Its first frame is settled; then each frame adapts once, within\n"
       "the budgets, and what is left undone goes on in the next. With --video, PNGs are written only\n"
       "where -o names a folder.\n\n"
+      "A scene's flight holds a deadline: resolutions of objects are chosen so that each frame takes no\n"
+      "longer, and its first clip plays. What drawing costs is measured before the first frame.\n\n"
       "Examples:\n  cuesta render bunny.cuesta -o bunny.png\n"
       "  cuesta render bunny.cuesta --orbit 240 --video bunny.mp4\n"
       "  cuesta render bunny.cuesta --camera \"eye 0,0.1,0.3 target 0,0.1,0\" --tau 0.5 --size 1920x1080\n"
-      "  cuesta render bunny.cuesta --flight flight.json --adapt-ms 4 --triangles 50000 -o frames");
+      "  cuesta render bunny.cuesta --flight flight.json --adapt-ms 4 --triangles 50000 -o frames\n"
+      "  cuesta render engine.cuesta --orbit 240 --deadline-ms 16 -o frames");
   RenderSettings& s = *c.settings;
   add_path(c.app, "FILE", s.file, "a .cuesta file")->required();
   add_path(c.app, "-o,--output", s.output, "PNG, or a folder for a flight; default: named after FILE");
@@ -411,6 +414,20 @@ void add_render(CLI::App& program, Common& common) {
                                        {"egl", OffscreenContext::egl},
                                        {"osmesa", OffscreenContext::osmesa}},
                                       s.context));
+  const char* group = "Scenes";
+  add_parsed(
+      c.app, "--policy", "HOW",
+      "resolutions of objects in a flight: predictive (the best that the deadline allows), stress (follows\n"
+      "what past frames took) or static (by size in the picture); default predictive",
+      one_of<PolicyKind>({{"predictive", PolicyKind::predictive},
+                          {"stress", PolicyKind::stress},
+                          {"static", PolicyKind::fixed}},
+                         s.policy))
+      ->group(group);
+  c.app->add_option("--deadline-ms", s.deadline_ms, "time of a frame of a flight; default 33")
+      ->type_name("MS")
+      ->check(CLI::Range(0.1, 1e6))
+      ->group(group);
   c.app->add_flag("--settle", s.settle, "settle each frame of a flight: only the triangle budget then binds");
   c.app->add_flag("--stats-only", s.stats_only, "draw nothing: frames.csv and frames.svg only");
   add_quiet(c.app, s.quiet);

@@ -5,10 +5,12 @@
 #include "apps/cuesta/frame_table.h"
 #include "apps/cuesta/machine.h"
 #include "apps/cuesta/open_cut.h"
+#include "apps/cuesta/scene_render.h"
 #include "apps/cuesta/stop_signal.h"
 #include "apps/cuesta/terrain_settings.h"
 #include "apps/cuesta/video_file.h"
 #include "apps/overview/sketch.h"
+#include "ooc/container_file.h"
 #include "runtime/draw/png_file.h"
 #include "runtime/flight_file.h"
 
@@ -130,31 +132,6 @@ Result<void> make_folder(const std::filesystem::path& folder) {
   return {};
 }
 
-/// Where the frames of a flight go.
-struct FrameFiles {
-  std::filesystem::path folder;  ///< empty: no PNGs
-  std::optional<VideoFile> video;
-
-  Result<void> write(std::uint64_t frame, const Picture& picture) {
-    if (!folder.empty())
-      if (auto r = write_png(folder / fmt::format("frame-{:05}.png", frame), picture); !r) return r;
-    return video ? video->add(picture) : Result<void>{};
-  }
-};
-
-Result<FrameFiles> open_frame_files(const RenderSettings& s, const Flight& flight) {
-  FrameFiles files;
-  if (s.output.empty() && s.video.empty()) files.folder = s.file.stem().string() + "-frames";
-  if (!s.output.empty()) files.folder = s.output;
-  if (!files.folder.empty())
-    if (auto r = make_folder(files.folder); !r) return fail(r.error());
-  if (s.video.empty() || s.stats_only) return files;
-  auto video = VideoFile::create(s.video, s.view.width_px, s.view.height_px, flight.fps);
-  if (!video) return fail(video.error());
-  files.video.emplace(std::move(*video));
-  return files;
-}
-
 Result<void> render_frames(const RenderSettings& s, const Flight& flight, std::uint64_t count,
                            FrameFiles& files, Pictures& pictures, Progress& progress,
                            std::vector<FrameRecord>& frames) {
@@ -226,7 +203,29 @@ Result<void> unread_pages(const Pictures& pictures) {
 
 }  // namespace
 
+Result<void> FrameFiles::write(std::uint64_t frame, const Picture& picture) {
+  if (!folder.empty())
+    if (auto r = write_png(folder / fmt::format("frame-{:05}.png", frame), picture); !r) return r;
+  return video ? video->add(picture) : Result<void>{};
+}
+
+Result<FrameFiles> open_frame_files(const RenderSettings& s, const Flight& flight) {
+  FrameFiles files;
+  if (s.output.empty() && s.video.empty()) files.folder = s.file.stem().string() + "-frames";
+  if (!s.output.empty()) files.folder = s.output;
+  if (!files.folder.empty())
+    if (auto r = make_folder(files.folder); !r) return fail(r.error());
+  if (s.video.empty() || s.stats_only) return files;
+  auto video = VideoFile::create(s.video, s.view.width_px, s.view.height_px, flight.fps);
+  if (!video) return fail(video.error());
+  files.video.emplace(std::move(*video));
+  return files;
+}
+
 Result<void> run_render(const RenderSettings& settings) {
+  const auto kind = ContainerReader::kind_of(settings.file);
+  if (!kind) return fail(kind.error());
+  if (*kind == ContainerKind::scene) return run_scene_render(settings);
   Progress progress(settings.quiet);
   auto pictures = Pictures::open(settings);
   if (!pictures) return fail(pictures.error());

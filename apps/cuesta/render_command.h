@@ -6,8 +6,11 @@
 #include <optional>
 
 #include "apps/cuesta/text_forms.h"
+#include "apps/cuesta/video_file.h"
 #include "runtime/cut.h"
 #include "runtime/draw/renderer.h"
+#include "runtime/flight.h"
+#include "runtime/live_scene.h"
 
 namespace cuesta::app {
 
@@ -34,8 +37,21 @@ struct RenderSettings {
   DrawOptions draw;
   std::optional<Shading> shading;  ///< none: relief for terrain, lit for the rest
   double exaggeration = 1;         ///< of a terrain's heights
+  // Of scenes, frame by frame of a flight; tau_px is then the finest that anything is drawn at.
+  PolicyKind policy = PolicyKind::predictive;
+  double deadline_ms = 33;  ///< of a whole frame
   bool quiet = false;
 };
+
+/// Where the frames of a flight go.
+struct FrameFiles {
+  std::filesystem::path folder;  ///< empty: no PNGs
+  std::optional<VideoFile> video;
+
+  Result<void> write(std::uint64_t frame, const Picture& picture);
+};
+/// Makes the folder and starts the video, as the settings say.
+Result<FrameFiles> open_frame_files(const RenderSettings& settings, const Flight& flight);
 
 /// One picture, or frame-00000.png …, frames.csv and frames.svg, or a video.
 /// @error of reading the file or the flight; io of writing; cancelled. Where pages are damaged, the pictures
