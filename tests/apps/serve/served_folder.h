@@ -23,7 +23,7 @@ inline void write_large_file(const std::filesystem::path& path, std::uint32_t se
   auto to = ContainerWriter::create(path);
   ASSERT_TRUE(to);
   Directory directory = from->directory();
-  const auto reader = ContainerReader::open(small);
+  const auto reader = ContainerReader::open(small, ContainerKind::surface);
   for (PageEntry& e : directory.pages) {
     const auto block = to->append(*reader->read(e.block));
     ASSERT_TRUE(block);
