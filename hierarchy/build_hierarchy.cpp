@@ -1,6 +1,5 @@
 #include "hierarchy/build_hierarchy.h"
 
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -194,9 +193,7 @@ class HierarchyBuilder {
     for (std::uint64_t c = 0; c < *finished; ++c) {
       const auto record = read_record(state.round, c);
       if (!record) return fail(record.error());
-      if (!fits(*record))
-        return fail(ErrorCode::corrupt, "", stage_of(state.round),
-                    "the journal of the build is damaged; run the same command again to start over");
+      if (!fits(*record)) return damaged_journal(stage_of(state.round));
       adopt(*record, next);
       end = record->survivors_end;
     }
@@ -270,16 +267,13 @@ class HierarchyBuilder {
     ChunkOutput out;
     out.cells.resize(cells.cell_count());
     const CellOptions options{state.round, plan.base, options_.round_reduction, options_.cache};
-    std::vector<std::optional<Error>> errors(cells.cell_count());
-    tbb::parallel_for(0u, cells.cell_count(), [&](std::uint32_t i) {
-      auto cell = run_cell_task(cells.cell(i), chunk, surface_, options);
-      if (cell)
-        out.cells[i] = std::move(*cell);
-      else
-        errors[i] = std::move(cell).error();
+    const auto done = run_all(cells.cell_count(), arena_threads(), [&](std::uint64_t i) -> Result<void> {
+      auto cell = run_cell_task(cells.cell(static_cast<std::uint32_t>(i)), chunk, surface_, options);
+      if (!cell) return fail(std::move(cell).error());
+      out.cells[i] = std::move(*cell);
+      return {};
     });
-    for (std::optional<Error>& error : errors)
-      if (error) return fail(std::move(*error));
+    if (!done) return fail(done.error());
     return out;
   }
 

@@ -1,6 +1,7 @@
 #include "hierarchy/round_journal.h"
 
 #include "ooc/byte_arrays.h"
+#include "ooc/journal.h"
 
 namespace cuesta {
 
@@ -45,9 +46,7 @@ Result<ChunkRoundRecord> decode_record(std::span<const std::byte> bytes) {
     cell.survivors_bytes = r.get<std::uint64_t>();
     cell.survivors_checksum = r.get<std::uint64_t>();
   }
-  if (!good || !r.at_end())
-    return fail(ErrorCode::corrupt, "", "",
-                "the journal of the build is damaged; run the same command again to start over");
+  if (!good || !r.at_end()) return damaged_journal();
   return record;
 }
 

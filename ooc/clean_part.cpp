@@ -1,7 +1,6 @@
 #include "ooc/clean_part.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "ooc/choose_grid.h"
@@ -11,10 +10,6 @@
 
 namespace cuesta {
 namespace {
-
-bool is_finite(Vec3d p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
 
 class PartCleaner {
  public:

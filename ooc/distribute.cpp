@@ -3,7 +3,6 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "ooc/ordered_tasks.h"
 
@@ -27,10 +26,6 @@ struct TravellingCorner {
   std::uint64_t slot = 0;  ///< 4 · ordinal + corner
   Corner corner;
 };
-
-bool is_finite(const Vec3d& p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
 
 Corner corner_of(const RawVertices& block, std::uint32_t v) {
   Corner c;

@@ -31,11 +31,6 @@ struct ReadState {
   std::vector<ReadReport> inputs;
 };
 
-tl::unexpected<Error> damaged_journal() {
-  return fail(ErrorCode::corrupt, "", "",
-              "the journal of the build is damaged; run the same command again to start over");
-}
-
 std::vector<std::byte> encode(const RawSurface& raw, const ReadState& state) {
   static_assert(std::is_trivially_copyable_v<ReadReport> && std::is_trivially_copyable_v<RawCounts>);
   ByteWriter w;

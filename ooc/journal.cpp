@@ -127,8 +127,7 @@ Result<std::optional<std::vector<std::byte>>> Journal::find(std::string_view sta
   const auto expected = r.get<std::uint64_t>();
   const auto result = r.get_bytes(r.remaining());
   if (!r.ok() || checksum_of(stage, number, result) != expected)
-    return fail(ErrorCode::corrupt, path_.string(), std::string(stage) + " " + std::to_string(number),
-                "the journal of the build is damaged; run the same command again to start over");
+    return damaged_journal(std::string(stage) + " " + std::to_string(number), path_);
   return std::vector<std::byte>(result.begin(), result.end());
 }
 
@@ -153,6 +152,11 @@ Result<void> Journal::record(std::string_view stage, std::uint64_t number,
   errno = 0;
   if (sqlite3_step(s.get()) != SQLITE_DONE) return error("cannot write the journal");
   return {};
+}
+
+tl::unexpected<Error> damaged_journal(std::string place, const std::filesystem::path& file) {
+  return fail(ErrorCode::corrupt, file.string(), std::move(place),
+              "the journal of the build is damaged; run the same command again to start over");
 }
 
 }  // namespace cuesta

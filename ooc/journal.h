@@ -19,9 +19,9 @@ struct sqlite3;
 
 namespace cuesta {
 
-/// One thread at a time. What was recorded survives the end of the process at any moment. Not a power failure:
-/// the data that records speak of are not synced, so put what changes at a restart (the boot's id) into the
-/// fingerprint.
+/// One thread at a time. What was recorded survives the end of the process at any moment. Not a power
+/// failure: the data that records speak of are not synced, so put what changes at a restart (the boot's id)
+/// into the fingerprint.
 class Journal {
  public:
   /// Opens or makes the journal; one of another `fingerprint` or of another version is emptied.
@@ -56,5 +56,8 @@ class Journal {
   std::unique_ptr<sqlite3, Close> db_;
   bool resumed_ = false;
 };
+
+/// What a journal says is not what was recorded. @param place  stage and number; may be empty
+tl::unexpected<Error> damaged_journal(std::string place = {}, const std::filesystem::path& file = {});
 
 }  // namespace cuesta

@@ -1,7 +1,6 @@
 #include "ooc/raw_surface.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 
 #include "ooc/byte_stream.h"
@@ -135,7 +134,7 @@ Result<void> RawSurface::vertices(const VertexBlock& block) {
 void RawSurface::note_nonfinite(std::span<const Vec3d> block) {
   for (std::size_t i = 0; i < block.size(); ++i) {
     const Vec3d& p = block[i];
-    if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) continue;
+    if (is_finite(p)) continue;
     const std::uint64_t v = counts_.vertices + i;
     if (v >= most_used_bits) return;  // their faces are found later
     if (v / 64 >= nonfinite_.size()) nonfinite_.resize(std::max(v / 64 + 1, nonfinite_.size() * 2));

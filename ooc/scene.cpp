@@ -11,10 +11,6 @@
 namespace cuesta {
 namespace {
 
-bool is_finite(Vec3d v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 bool is_finite(const LocalTransform& local) {
   if (const Trs* t = std::get_if<Trs>(&local)) {
     return is_finite(t->translation) && is_finite(t->scale) &&

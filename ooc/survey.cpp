@@ -20,10 +20,6 @@ std::uint64_t mixed(std::uint64_t v) {
   return v ^ (v >> 33);
 }
 
-bool is_finite(Vec3d p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
 /// What one run of vertices gives.
 struct RunSurvey {
   Box3d box;

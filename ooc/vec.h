@@ -30,6 +30,11 @@ using Vec3d = Vec3<double>;
 using Vec3i = Vec3<std::int32_t>;
 
 template <class T>
+bool is_finite(Vec3<T> v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+template <class T>
 constexpr T dot(Vec3<T> a, Vec3<T> b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }

@@ -10,6 +10,7 @@
 #include "ooc/border_sweep.h"
 #include "ooc/byte_stream.h"
 #include "ooc/distribute.h"
+#include "ooc/journal.h"
 #include "ooc/ordered_tasks.h"
 
 namespace cuesta {
@@ -95,9 +96,7 @@ Result<MovedTriangles> MovedTriangles::open(const std::filesystem::path& folder,
   out.border_points = r.get<std::uint64_t>();
   out.points_welded = r.get<std::uint64_t>();
   const auto size = r.get<std::uint64_t>();
-  if (!r.ok() || size > r.remaining())
-    return fail(ErrorCode::corrupt, "", "",
-                "the journal of the build is damaged; run the same command again to start over");
+  if (!r.ok() || size > r.remaining()) return damaged_journal();
   auto records = BucketFile::open(folder / records_name, state.subspan(r.position(), size));
   if (!records) return fail(records.error());
   auto ordinals = BucketFile::open(folder / ordinals_name, state.subspan(r.position() + size));

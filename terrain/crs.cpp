@@ -113,7 +113,7 @@ Result<Crs> Crs::from_epsg(int code) {
   return from_definition(std::move(*definition));
 }
 
-Result<Crs> Crs::from_name(std::string_view name) {
+Result<int> Crs::code_of_name(std::string_view name) {
   std::string_view digits = name;
   if (digits.size() > 5 && (digits.starts_with("EPSG:") || digits.starts_with("epsg:")))
     digits.remove_prefix(5);
@@ -123,7 +123,13 @@ Result<Crs> Crs::from_name(std::string_view name) {
     return fail(ErrorCode::invalid_input, "", std::string(name),
                 "expected a code such as EPSG:4326 or EPSG:32633; definitions in words are not read");
   }
-  return from_epsg(code);
+  return code;
+}
+
+Result<Crs> Crs::from_name(std::string_view name) {
+  const auto code = code_of_name(name);
+  if (!code) return fail(code.error());
+  return from_epsg(*code);
 }
 
 Crs Crs::plane() {

@@ -44,6 +44,8 @@ class Crs {
   /// As users write it: "EPSG:32633", "epsg:32633" or "32633".
   /// @error invalid_input what is not of this form; else as from_epsg.
   static Result<Crs> from_name(std::string_view name);
+  /// The code alone. @error invalid_input what is not of this form
+  static Result<int> code_of_name(std::string_view name);
 
   /// A plane in metres that is nowhere on the Earth: lat_lon() and coordinates() give NaN.
   static Crs plane();

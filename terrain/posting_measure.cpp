@@ -5,16 +5,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <mutex>
-#include <optional>
+
+#include "ooc/ordered_tasks.h"
 
 namespace cuesta {
 namespace {
-
-/// On a plane a posting without a height still has an x.
-bool is_place(Vec3d p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
 
 /// A triangle and the verticals through it.
 struct MeasuredTriangle {
@@ -115,8 +110,8 @@ Result<void> PostingMeasure::visit_square(const SquareRuns& square,
   if (auto r = surface_.store_.read(at.layer, column, row, at.width, rows, heights_m); !r) return r;
   std::vector<Vec3d> points(heights_m.size());
   surface_.positions_[at.layer].of(column, row, at.width, rows, heights_m, points);
-  for (Vec3d& p : points)
-    if (is_place(p)) p = vec_cast<double>(surface_.grid.snap(p));
+  for (Vec3d& p : points)  // on a plane a posting without a height still has an x
+    if (is_finite(p)) p = vec_cast<double>(surface_.grid.snap(p));
   std::uint32_t known = ~0u;
   MeasuredTriangle t;
   for (const Run& r : square.runs) {
@@ -135,22 +130,15 @@ Result<void> PostingMeasure::measure(std::span<const std::array<Vec3i, 3>> trian
                                      std::span<float> distances) const {
   std::fill(distances.begin(), distances.end(), 0.0f);
   const std::vector<SquareRuns> squares = runs_of(triangles);
-  std::mutex mutex;
-  std::optional<Error> error;
-  tbb::parallel_for(std::size_t{0}, squares.size(), [&](std::size_t i) {
-    auto r = visit_square(squares[i], triangles, [&](std::uint32_t triangle, const Vec3d&, double distance) {
+  return run_all(squares.size(), arena_threads(), [&](std::uint64_t i) {
+    return visit_square(squares[i], triangles, [&](std::uint32_t triangle, const Vec3d&, double distance) {
       const float bound = rounded_up(distance);
       // Not negative: bits are in order.
       std::atomic_ref<float> out(distances[triangle]);
       for (float before = out.load(); before < bound && !out.compare_exchange_weak(before, bound);) {
       }
     });
-    if (r) return;
-    const std::lock_guard lock(mutex);
-    if (!error) error = std::move(r).error();
   });
-  if (error) return fail(std::move(*error));
-  return {};
 }
 
 Result<std::vector<std::optional<std::vector<Vec3i>>>> PostingMeasure::postings_over(

@@ -1,16 +1,11 @@
 #include "terrain/terrain_chunk.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "ooc/oct_normal.h"
 
 namespace cuesta {
 namespace {
-
-bool is_place(Vec3d p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
 
 /// From the postings beside it, those that there are; up where they make none.
 Vec3f normal_at(const PostingWindow& window, std::int64_t x, std::int64_t y, Vec3d up) {
@@ -40,7 +35,7 @@ Result<PostingWindow> read_postings(const PostingStore& store, const PostingPosi
   w.positions_m.resize(count);
   positions.of(column, row, w.width, w.height, w.heights_m, w.positions_m);
   w.has_height.resize(count);
-  for (std::size_t i = 0; i < count; ++i) w.has_height[i] = is_place(w.positions_m[i]);
+  for (std::size_t i = 0; i < count; ++i) w.has_height[i] = is_finite(w.positions_m[i]);
   return w;
 }
 

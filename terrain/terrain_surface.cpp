@@ -1,12 +1,9 @@
 #include "terrain/terrain_surface.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
-#include <mutex>
-#include <optional>
 
+#include "ooc/ordered_tasks.h"
 #include "terrain/posting_measure.h"
 #include "terrain/terrain_chunk.h"
 
@@ -146,18 +143,13 @@ Result<CellFans> TerrainSurface::cell_fans(const PostingRef& at) const {
 Result<void> TerrainSurface::find_seam_fans() {
   const auto postings = seam_fans_.postings();
   std::vector<SeamFans::Split> splits(postings.size());
-  std::mutex mutex;
-  std::optional<Error> error;
-  tbb::parallel_for(std::size_t{0}, postings.size(), [&](std::size_t i) {
-    if (auto cells = cell_fans(postings[i])) {
-      splits[i] = seam_fans_.split(i, *cells, seams_);
-      return;
-    } else {
-      const std::lock_guard lock(mutex);
-      if (!error) error = std::move(cells).error();
-    }
+  const auto found = run_all(postings.size(), arena_threads(), [&](std::uint64_t i) -> Result<void> {
+    const auto cells = cell_fans(postings[i]);
+    if (!cells) return fail(cells.error());
+    splits[i] = seam_fans_.split(i, *cells, seams_);
+    return {};
   });
-  if (error) return fail(std::move(*error));
+  if (!found) return found;
   seam_fans_.keep(std::move(splits));
   return {};
 }

@@ -97,10 +97,8 @@ class TerrainSurvey {
     done_ += std::uint64_t{squares_.square(number).width} * squares_.square(number).height;
     if (!facts.has_heights) return;
     store_->add(number);
-    least_m_ = std::min(least_m_, facts.least_m);
-    most_m_ = std::max(most_m_, facts.most_m);
-    figures_.least_m = static_cast<double>(least_m_);
-    figures_.most_m = static_cast<double>(most_m_);
+    figures_.least_m = std::min(figures_.least_m, static_cast<double>(facts.least_m));
+    figures_.most_m = std::max(figures_.most_m, static_cast<double>(facts.most_m));
   }
 
   Result<void> read_heights() {
@@ -113,9 +111,7 @@ class TerrainSurvey {
     for (std::uint64_t n = 0; n < *finished; ++n) {
       auto bytes = folder_.journal().find("heights", n);
       if (!bytes) return fail(bytes.error());
-      if (!*bytes || (*bytes)->size() != sizeof(SquareFacts))
-        return fail(ErrorCode::corrupt, "", "",
-                    "the journal of the build is damaged; run the same command again to start over");
+      if (!*bytes || (*bytes)->size() != sizeof(SquareFacts)) return damaged_journal();
       ByteReader r(**bytes);
       adopt(n, r.get<SquareFacts>());
     }
@@ -252,8 +248,9 @@ class TerrainSurvey {
   const BuildProgress& progress_;
   LatticeSquares squares_;
   std::optional<PostingStore> store_;
-  TerrainFigures figures_;
-  float least_m_ = std::numeric_limits<float>::infinity(), most_m_ = -std::numeric_limits<float>::infinity();
+  TerrainFigures figures_{.postings = {},
+                          .least_m = std::numeric_limits<double>::infinity(),
+                          .most_m = -std::numeric_limits<double>::infinity()};
   std::uint64_t done_ = 0;
 };
 

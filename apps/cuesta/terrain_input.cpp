@@ -72,6 +72,10 @@ std::optional<GeoBox> bounds_of(const Mosaic& mosaic) {
   return box;
 }
 
+LatLon middle_of(const GeoBox& b) {
+  return {(b.south_deg + b.north_deg) / 2, std::remainder((b.west_deg + b.east_deg) / 2, 360.0)};
+}
+
 /// Whether all layers are on one plane, and which.
 const Crs* common_plane(const Mosaic& mosaic) {
   const Crs& first = mosaic.layers().front().crs;
@@ -112,9 +116,7 @@ Result<Frame> frame_of(const Mosaic& mosaic, const std::optional<GeoBox>& bounds
     return fail(ErrorCode::invalid_input, "", choice == FrameChoice::ecef ? "--frame ecef" : "--frame enu",
                 "these files do not say where on the Earth they lie; name their system with --crs EPSG:n");
   if (choice == FrameChoice::ecef) return Frame::ecef();
-  const LatLon middle{(bounds->south_deg + bounds->north_deg) / 2,
-                      std::remainder((bounds->west_deg + bounds->east_deg) / 2, 360.0)};
-  const LatLon at = s.origin.value_or(middle);
+  const LatLon at = s.origin.value_or(middle_of(*bounds));
   return Frame::enu({at.lat_deg, at.lon_deg, 0});
 }
 
@@ -133,11 +135,10 @@ Result<MosaicOptions> options_of(const TerrainSettings& s, const Geoid* geoid,
   if (s.heights != VerticalDatum::unknown) o.raster.vertical_datum = s.heights;
   if (!s.crs.empty()) {
     // Refused by name before any file is opened.
-    auto crs = Crs::from_name(s.crs);
-    if (!crs) return fail(crs.error());
-    std::string_view digits = s.crs;
-    digits.remove_prefix(std::min(digits.size(), digits.find_first_of("0123456789")));
-    o.raster.epsg = static_cast<std::uint32_t>(std::stoul(std::string(digits)));
+    const auto code = Crs::code_of_name(s.crs);
+    if (!code) return fail(code.error());
+    if (auto crs = Crs::from_epsg(*code); !crs) return fail(crs.error());
+    o.raster.epsg = static_cast<std::uint32_t>(*code);
   }
   return o;
 }
@@ -193,11 +194,7 @@ Result<TerrainInput> open_terrain(std::span<const std::filesystem::path> paths, 
   auto frame = frame_of(*in.mosaic, in.facts.bounds, s);
   if (!frame) return fail(frame.error());
   in.facts.frame = std::move(*frame);
-  if (in.geoid && in.facts.bounds) {
-    const GeoBox& b = *in.facts.bounds;
-    in.facts.sea_level_m = in.geoid->undulation_m(
-        {(b.south_deg + b.north_deg) / 2, std::remainder((b.west_deg + b.east_deg) / 2, 360.0)});
-  }
+  if (in.geoid && in.facts.bounds) in.facts.sea_level_m = in.geoid->undulation_m(middle_of(*in.facts.bounds));
   if (!s.drape.empty()) {
     auto drape = ImageDrape::open(s.drape, {.bounds = s.drape_bounds, .temp = temp});
     if (!drape) return fail(drape.error());

@@ -11,10 +11,6 @@ struct Key {
   auto operator<=>(const Key&) const = default;
 };
 
-bool is_finite(Vec3d p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
 /// Two zero bits after each of 21 bits.
 std::uint64_t spread(std::uint64_t v) {
   v = (v | v << 32) & 0x001f00000000ffffull;

@@ -18,10 +18,6 @@ constexpr double box_slack = 1.0 / (1 << 19);
 /// Triangles whose squared sine at a is below this are treated as their three edges.
 constexpr double needle_sine_sq = 1e-24;
 
-bool is_finite(Vec3d p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
 Vec3d nearest_on_segment(Vec3d p, Vec3d a, Vec3d ab) {
   const double l = dot(ab, ab);
   const double t = l > 0 ? std::clamp(dot(p - a, ab) / l, 0.0, 1.0) : 0.0;

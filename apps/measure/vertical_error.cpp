@@ -158,10 +158,6 @@ class Checker {
   std::vector<Vec3d> posting_up_, corner_up_;
 };
 
-bool is_finite(Vec3d p) {
-  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-}
-
 VerticalDeviation summary(std::span<const std::uint32_t> ids, const std::vector<double>& distances_m,
                           double bound_m) {
   VerticalDeviation all;
