@@ -54,8 +54,12 @@ std::vector<RoundFacts> rounds_of(const Directory& d) {
 }
 
 ordered_json metadata_of(const Directory& d) {
-  ordered_json json = ordered_json::parse(d.metadata, nullptr, false);
-  return json.is_discarded() ? ordered_json(d.metadata) : json;
+  return metadata_of(d.metadata);
+}
+
+ordered_json metadata_of(const std::string& text) {
+  ordered_json json = ordered_json::parse(text, nullptr, false);
+  return json.is_discarded() ? ordered_json(text) : json;
 }
 
 ordered_json vector_json(Vec3d v) {

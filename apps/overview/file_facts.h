@@ -29,6 +29,7 @@ std::vector<RoundFacts> rounds_of(const Directory& directory);
 
 /// The metadata as JSON; as a string where a hand-made file holds something else.
 nlohmann::ordered_json metadata_of(const Directory& directory);
+nlohmann::ordered_json metadata_of(const std::string& text);
 
 /// Counts, bounds, grid, errors, attributes and rounds, with the keys of cuesta info --json. World units.
 nlohmann::ordered_json directory_json(const Directory& directory);

@@ -9,6 +9,7 @@
 #include "apps/overview/file_facts.h"
 #include "apps/serve/target.h"
 #include "hierarchy/cuesta_file.h"
+#include "hierarchy/scene_file.h"
 #include "ooc/fingerprint.h"
 
 namespace cuesta::serve {
@@ -45,27 +46,48 @@ Result<std::string> content_tag(const Descriptor& file, const FoundFile& found) 
   return fmt::format("{:016x}-{:x}", checksum(header), found.stamp.bytes);
 }
 
-void tell(Dataset& set, const Directory& d, const FoundFile& found) {
+ordered_json common_json(const Dataset& set) {
+  const std::string place = escaped_path(set.name);
+  return {{"name", set.name},
+          {"kind", set.is_scene ? "scene" : "surface"},
+          {"data", fmt::format("/data/{}.cuesta", place)},
+          {"data_immutable", fmt::format("/data/{}.cuesta?v={}", place, set.version())},
+          {"etag", set.file->etag},
+          {"file_bytes", set.file->bytes()},
+          {"attribution", set.attribution}};
+}
+
+void tell_surface(Dataset& set, const Directory& d, const FoundFile& found) {
   const ordered_json metadata = app::metadata_of(d);
   set.triangles = d.triangles;
   set.vertices = d.vertices;
   set.box = app::world_box(d);
   set.is_terrain = metadata.is_object() && metadata.contains("terrain");
   set.attribution = attribution_of(metadata, found);
-  const std::string place = escaped_path(set.name);
-  ordered_json json = {{"name", set.name},
-                       {"data", fmt::format("/data/{}.cuesta", place)},
-                       {"data_immutable", fmt::format("/data/{}.cuesta?v={}", place, set.version())},
-                       {"thumbnail", fmt::format("/thumbnail/{}.png", place)},
-                       {"session", fmt::format("/session/{}", place)},
-                       {"etag", set.file->etag},
-                       {"file_bytes", set.file->bytes()},
-                       {"terrain", set.is_terrain},
-                       {"attribution", set.attribution}};
+  ordered_json json = common_json(set);
+  json["thumbnail"] = fmt::format("/thumbnail/{}.png", escaped_path(set.name));
+  json["session"] = fmt::format("/session/{}", escaped_path(set.name));
+  json["terrain"] = set.is_terrain;
   json.update(app::directory_json(d));
   ordered_json brief = json;
   brief.erase("rounds");
   set.brief_json = app::json_text(brief, -1);
+  json["metadata"] = metadata;
+  set.json = app::json_text(json, -1);
+}
+
+void tell_scene(Dataset& set, const SceneFile& scene, const FoundFile& found) {
+  const ordered_json metadata = app::metadata_of(scene.directory().metadata);
+  set.is_scene = true;
+  set.attribution = attribution_of(metadata, found);
+  for (const ScenePartEntry& p : scene.parts()) set.triangles += p.triangles, set.vertices += p.vertices;
+  ordered_json json = common_json(set);
+  json["triangles"] = set.triangles;
+  json["vertices"] = set.vertices;
+  json["parts"] = scene.parts().size();
+  json["instances"] = scene.instances().size();
+  json["whole"] = scene.is_whole();
+  set.brief_json = app::json_text(json, -1);
   json["metadata"] = metadata;
   set.json = app::json_text(json, -1);
 }
@@ -75,10 +97,11 @@ void tell(Dataset& set, const Directory& d, const FoundFile& found) {
 Result<Dataset> open_dataset(const FoundFile& found) {
   Descriptor descriptor = found.open();
   if (!descriptor.is_open()) return fail(ErrorCode::not_found, found.name, "", "the file went away");
-  auto opened = CuestaFile::open(descriptor.path());
-  if (!opened) {
-    opened.error().file = found.name;
-    return fail(opened.error());
+  auto surface = CuestaFile::open(descriptor.path());
+  const Result<SceneFile> scene = surface ? fail(Error{}) : SceneFile::open(descriptor.path());
+  if (!surface && !scene) {
+    surface.error().file = found.name;
+    return fail(surface.error());
   }
   const auto tag = content_tag(descriptor, found);
   if (!tag) return fail(tag.error());
@@ -86,7 +109,10 @@ Result<Dataset> open_dataset(const FoundFile& found) {
   set.name = found.name.substr(0, found.name.size() - dataset_suffix.size());
   set.file = std::make_shared<const ServedFile>(
       make_served_file(std::move(descriptor), found.stamp, *tag, "application/vnd.cuesta"));
-  tell(set, opened->directory(), found);
+  if (surface)
+    tell_surface(set, surface->directory(), found);
+  else
+    tell_scene(set, *scene, found);
   return set;
 }
 

@@ -136,7 +136,7 @@ void Site::dataset_json(Exchange& x, std::string_view name) const {
 
 void Site::thumbnail(Exchange& x, std::string_view name) const {
   const auto set = x.contents().dataset(name);
-  if (!set || !parts_.thumbnail) return x.not_found();
+  if (!set || set->is_scene || !parts_.thumbnail) return x.not_found();
   x.response.clear();
   x.response.later = [make = parts_.thumbnail, set,
                       kept = KeptRequest(x.frame)](std::function<void(Response)> done) {
@@ -153,7 +153,7 @@ void Site::thumbnail(Exchange& x, std::string_view name) const {
 
 void Site::session(Exchange& x, std::string_view name) const {
   const auto set = x.contents().dataset(name);
-  if (!set || !parts_.session) return x.not_found();
+  if (!set || set->is_scene || !parts_.session) return x.not_found();
   if (!x.frame.request.upgrades_to_websocket)
     return respond_refusal(x.response, x.frame, 426, "This is for WebSocket.",
                            "Upgrade: websocket\r\nConnection: Upgrade\r\n");

@@ -81,20 +81,34 @@ std::string size_text(std::uint64_t bytes) {
   return unit == 0 ? fmt::format("{} bytes", bytes) : fmt::format("{:.1f} {}", value, units[unit]);
 }
 
+/// "Terrain, 1.2 million triangles, 3.4 MiB", and how large it is where that is known.
+std::string numbers(const Dataset& set) {
+  std::string text = fmt::format("{}{} triangles, {}",
+                                 set.is_terrain ? "Terrain, "
+                                 : set.is_scene ? "Scene, "
+                                                : "",
+                                 glance(set.triangles), size_text(set.file->bytes()));
+  const Vec3d size = set.box.hi - set.box.lo;
+  return set.is_scene ? text : text + fmt::format("<br>{:.4g} × {:.4g} × {:.4g}", size.x, size.y, size.z);
+}
+
+void put_picture(fmt::memory_buffer& out, const Dataset& set, const std::string& place) {
+  if (set.is_scene) return;
+  fmt::format_to(
+      std::back_inserter(out),
+      "<img src=\"/thumbnail/{}.png?v={}\" alt=\"\" width=\"480\" height=\"360\" loading=\"lazy\">", place,
+      set.version());
+}
+
 void put_card(fmt::memory_buffer& out, const Dataset& set, bool has_page) {
   const std::string place = escaped_path(set.name), name = escaped_html(set.name);
-  const Vec3d size = set.box.hi - set.box.lo;
   const auto to = std::back_inserter(out);
   const std::string view = fmt::format("/view/?data=/data/{}.cuesta", place);
   fmt::format_to(to, "<li>\n");
   if (has_page) fmt::format_to(to, "<a href=\"{}\">", view);
-  fmt::format_to(
-      to, "<img src=\"/thumbnail/{}.png?v={}\" alt=\"\" width=\"480\" height=\"360\" loading=\"lazy\">",
-      place, set.version());
+  put_picture(out, set, place);
   fmt::format_to(to, "{}\n<div class=\"facts\">\n<h2>{}</h2>\n", has_page ? "</a>" : "", name);
-  fmt::format_to(to, "<p class=\"numbers\">{}{} triangles, {}<br>{:.4g} × {:.4g} × {:.4g}</p>\n",
-                 set.is_terrain ? "Terrain, " : "", glance(set.triangles), size_text(set.file->bytes()),
-                 size.x, size.y, size.z);
+  fmt::format_to(to, "<p class=\"numbers\">{}</p>\n", numbers(set));
   if (!set.attribution.empty())
     fmt::format_to(to, "<p class=\"attribution\">{}</p>\n", escaped_html(set.attribution));
   fmt::format_to(to, "<p class=\"links\">");
@@ -105,8 +119,6 @@ void put_card(fmt::memory_buffer& out, const Dataset& set, bool has_page) {
                  "<a href=\"/api/datasets/{0}\" aria-label=\"Facts of {1}\">Facts</a></p>\n</div>\n</li>\n",
                  place, name);
 }
-
-}  // namespace
 
 std::string start_page(const Contents& contents) {
   fmt::memory_buffer out;
