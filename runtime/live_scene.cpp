@@ -78,7 +78,8 @@ LiveScene::LiveScene(const SceneDirectory& directory, SceneSources sources, cons
              settings.cache_bytes / (has_surfaces(directory) ? 2 : 1), settings.load_threads),
       indices_(settings.index_bytes),
       policy_(make_policy(settings, costs_)),
-      shown_(directory.parts.size()) {
+      shown_(directory.parts.size()),
+      coarsest_(directory.parts.size()) {
   for (std::uint32_t i = 0; i < instances_.size(); ++i) {
     instance_of_node_[instances_[i].node] = i;
     balls_[i] = ball_of(pose_.world(instances_[i].node), directory.parts[instances_[i].part].box);
@@ -111,6 +112,13 @@ void LiveScene::move_instances() {
       balls_[i] = ball_of(pose_.world(node), directory_.parts[instances_[i].part].box);
 }
 
+/// Of the base mesh, which a first segment goes far beyond; 0 until that is resident.
+double LiveScene::coarsest_triangles(std::uint32_t part) {
+  const auto& tom = store_.tom(part);
+  if (tom && coarsest_[part] == 0) coarsest_[part] = triangle_count(*tom, tom->base_vertices);
+  return coarsest_[part];
+}
+
 void LiveScene::add_visible(std::uint32_t instance, const ViewCone::Footprint& footprint, double nearest,
                             const View& view, const SceneFrameOptions& options) {
   const SceneInstance& in = instances_[instance];
@@ -121,7 +129,7 @@ void LiveScene::add_visible(std::uint32_t instance, const ViewCone::Footprint& f
     const double scale = mean_scale(pose_.world(in.node));
     full = triangles_for_error(part,
                                options.tau_px * nearest / view.pixels_per_unit() / std::max(scale, 1e-300));
-    least = part.segments.front().triangles;
+    least = coarsest_triangles(in.part);
   } else {
     // A cut is view-dependent: it needs no more than a few triangles for each pixel and tau squared.
     full = std::min(full, 2 * footprint.coverage * picture / (options.tau_px * options.tau_px));

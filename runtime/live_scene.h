@@ -143,6 +143,7 @@ class LiveScene {
   void find_visible(const View& view, const SceneFrameOptions& options);
   void add_visible(std::uint32_t instance, const ViewCone::Footprint& footprint, double nearest,
                    const View& view, const SceneFrameOptions& options);
+  double coarsest_triangles(std::uint32_t part);
   void reserve_changes(const SceneFrameOptions& options);
   void choose(const SceneFrameOptions& options, SceneFrameReport& report);
   void request_parts();
@@ -178,7 +179,8 @@ class LiveScene {
     std::shared_ptr<const Tom> tom;
     std::uint64_t frame = 0;
   };
-  std::vector<Shown> shown_;  // per part, as drawn in the last frame
+  std::vector<Shown> shown_;             // per part, as drawn in the last frame
+  std::vector<std::uint32_t> coarsest_;  // per part, triangles of the base mesh; 0: not known yet
   std::uint64_t frame_ = 0;
   struct Choice {
     std::uint32_t instance = 0;
