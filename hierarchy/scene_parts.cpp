@@ -47,11 +47,6 @@ bool decode_record(std::span<const std::byte> bytes, StoredPart& part) {
   return r.at_end();
 }
 
-tl::unexpected<Error> damaged_journal() {
-  return fail(ErrorCode::corrupt, "", "",
-              "the work folder's journal is damaged; run the same command with --resume never");
-}
-
 }  // namespace
 
 Result<SceneParts> SceneParts::open(WorkFolder& folder) {
