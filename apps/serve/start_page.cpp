@@ -120,6 +120,8 @@ void put_card(fmt::memory_buffer& out, const Dataset& set, bool has_page) {
                  place, name);
 }
 
+}  // namespace
+
 std::string start_page(const Contents& contents) {
   fmt::memory_buffer out;
   const auto to = std::back_inserter(out);
