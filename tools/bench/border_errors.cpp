@@ -21,7 +21,7 @@ namespace {
 
 using namespace cuesta;
 
-constexpr std::uint64_t memory_bytes = std::uint64_t{1} << 34;
+constexpr std::uint64_t build_memory_bytes = std::uint64_t{1} << 34;
 
 template <class T>
 T take(Result<T> result) {
@@ -41,7 +41,7 @@ struct HashOfPosition {
 /// Grid positions that more than one page of round 0 has.
 std::unordered_map<Vec3i, std::uint32_t, HashOfPosition> pages_by_position(const CuestaFile& file) {
   std::unordered_map<Vec3i, std::uint32_t, HashOfPosition> pages;
-  PagePositions positions(file, memory_bytes);
+  PagePositions positions(file, build_memory_bytes);
   const auto& directory = file.directory();
   for (PageId id = 0; id < directory.pages.size() && directory.pages[id].round == 0; ++id) {
     const auto known = positions.of(id);
@@ -82,8 +82,8 @@ int main(int argc, char** argv) {
   }
   constexpr int rings = 4;
   const CuestaFile file = take(CuestaFile::open(argv[1]));
-  SurfaceMesh full = take(load_mesh(argv[2], memory_bytes));
-  const SurfaceMesh cut = take(load_mesh(argv[3], memory_bytes));
+  SurfaceMesh full = take(load_mesh(argv[2], build_memory_bytes));
+  const SurfaceMesh cut = take(load_mesh(argv[3], build_memory_bytes));
   const measure::TriangleTree tree(cut.positions, cut.triangles);
   const auto pages = pages_by_position(file);
 
