@@ -46,7 +46,7 @@ TEST_F(SceneCommand, builds_tells_verifies_and_exports) {
   EXPECT_EQ(told["instanced_triangles"], 2);
   EXPECT_EQ(told["part_list"][0]["kind"], "tom");
   EXPECT_EQ(told["metadata"]["options"]["type"], "scene");
-  EXPECT_NEAR(told["bounds"]["hi"]["x"].get<double>(), 5, 1e-6);
+  EXPECT_NEAR(told["bounds"]["hi"][0].get<double>(), 5, 1e-6);
   EXPECT_EQ(run_words({"verify", out}).status, 0);
   const auto exported = run_words({"export", out, "--full", "-o", ply});
   ASSERT_EQ(exported.status, 0) << exported.err;

@@ -64,12 +64,16 @@ inline TerrainFacts facts_of(const TestTerrain& terrain, const Frame& frame) {
   return facts;
 }
 
-inline void build_terrain(const TestTerrain& terrain, const Frame& frame, const std::filesystem::path& path) {
+/// @param step_m  of the grid; 0 chooses what a mesh gets
+inline void build_terrain(const TestTerrain& terrain, const Frame& frame, const std::filesystem::path& path,
+                          double step_m = 0) {
   BuildOptions options = small_cells();
   nlohmann::ordered_json metadata;
   metadata["terrain"] = nlohmann::ordered_json::parse(terrain_json(facts_of(terrain, frame)));
   options.metadata = metadata.dump();
-  build_file(surface_of(terrain, frame), path, options);
+  BuildWith with;
+  with.step = step_m;
+  build_file(surface_of(terrain, frame), path, options, with);
 }
 
 /// Hills of 150 m on a slope, around 1000 m, with a hole of no data in the middle.

@@ -52,11 +52,12 @@ inline BuildOptions small_cells() {
   return options;
 }
 
-/// What must not change the bytes of a file, but for the size of chunks.
+/// What must not change the bytes of a file, but for the size of chunks and the step.
 struct BuildWith {
   std::uint32_t chunk_triangles = 1u << 18;
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;
   std::uint64_t block_vertices = 0;
+  double step = 0;  ///< of the grid, world units; 0 chooses
 };
 
 /// Ingests and builds in a work folder beside the file.
@@ -66,7 +67,7 @@ inline Result<BuildReport> try_build(const SurfaceMesh& mesh, const std::filesys
   auto folder = WorkFolder::open(path.string() + ".work", "test");
   if (!folder) return fail(folder.error());
   MemoryBudget memory(with.memory_bytes);
-  const auto surface = ingest(*folder, {0, false, with.chunk_triangles, with.block_vertices}, memory,
+  const auto surface = ingest(*folder, {with.step, false, with.chunk_triangles, with.block_vertices}, memory,
                               [&](RawSurface& sink) { return feed(mesh, sink); });
   if (!surface) return fail(surface.error());
   auto report = build_hierarchy(*surface, path, options, *folder, memory, progress);

@@ -117,10 +117,12 @@ double height_at(const Decoded& d, double u, double v) {
 
 class QuantizedMesh : public ::testing::Test {
  protected:
+  static constexpr double step_m = 0.25;
+
   void SetUp() override {
-    test::build_terrain(ridges(), Frame::ecef(), folder_ / "globe.cuesta");
+    test::build_terrain(ridges(), Frame::ecef(), folder_ / "globe.cuesta", step_m);
     const auto utm = Frame::projected(*Crs::from_epsg(32632));
-    test::build_terrain(ridges(), *utm, folder_ / "utm.cuesta");
+    test::build_terrain(ridges(), *utm, folder_ / "utm.cuesta", step_m);
   }
   std::unique_ptr<TerrainPyramid> open(const char* name, double error = 0) const {
     auto pyramid = TerrainPyramid::open(folder_ / name, {error, std::uint64_t{1} << 30});
