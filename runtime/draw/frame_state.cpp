@@ -39,4 +39,23 @@ void set_lights(const GlFunctions& gl, const GlProgram& program, const DrawOptio
   gl.Uniform3f(program.uniform("fill_direction"), fill.x, fill.y, fill.z);
 }
 
+Result<Picture> read_drawn(const GlFunctions& gl, const FrameTarget& target) {
+  Picture picture = target.read();
+  if (picture.pixels.empty()) return fail(ErrorCode::invalid_input, "", "", "nothing has been drawn yet");
+  if (auto ok = check_gl_errors(gl, "reading the picture"); !ok) return fail(ok.error());
+  return picture;
+}
+
+Result<void> show_drawn(const GlFunctions& gl, const FrameTarget& target, TextPainter& painter, int width_px,
+                        int height_px, std::span<const TextBlock> text, int text_scale) {
+  target.copy_to_window(width_px, height_px);
+  gl.Viewport(0, 0, width_px, height_px);
+  painter.draw(lay_out(text, text_scale, width_px, height_px), width_px, height_px);
+  return check_gl_errors(gl, "showing the picture");
+}
+
+tl::unexpected<Error> not_current() {
+  return fail(ErrorCode::io, "", "", "the OpenGL context cannot be made current");
+}
+
 }  // namespace cuesta

@@ -21,10 +21,6 @@ namespace {
 
 constexpr std::size_t shading_count = 6;
 
-tl::unexpected<Error> not_current() {
-  return fail(ErrorCode::io, "", "", "the OpenGL context cannot be made current");
-}
-
 class GlRenderer final : public Renderer {
  public:
   GlRenderer(std::unique_ptr<GlContext> context, const GlFunctions& gl);
@@ -172,30 +168,18 @@ Result<void> GlRenderer::draw(std::span<const DrawList> lists, const View& view,
 
 Result<Picture> GlRenderer::read() {
   if (!context_->make_current()) return not_current();
-  Picture picture = target_.read();
-  if (picture.pixels.empty()) return fail(ErrorCode::invalid_input, "", "", "nothing has been drawn yet");
-  if (auto ok = check_gl_errors(gl_, "reading the picture"); !ok) return fail(ok.error());
-  return picture;
+  return read_drawn(gl_, target_);
 }
 
 Result<void> GlRenderer::show(int width_px, int height_px, std::span<const TextBlock> text, int text_scale) {
   if (!context_->make_current()) return not_current();
-  target_.copy_to_window(width_px, height_px);
-  gl_.Viewport(0, 0, width_px, height_px);
-  text_.draw(lay_out(text, text_scale, width_px, height_px), width_px, height_px);
-  return check_gl_errors(gl_, "showing the picture");
+  return show_drawn(gl_, target_, text_, width_px, height_px, text, text_scale);
 }
 
 }  // namespace
 
 Result<std::unique_ptr<Renderer>> Renderer::create(std::unique_ptr<GlContext> context) {
-  CUESTA_CHECK(context != nullptr);
-  if (!context->make_current()) return not_current();
-  const auto gl = load_gl_functions(*context);
-  if (!gl) return fail(gl.error());
-  auto renderer = std::make_unique<GlRenderer>(std::move(context), *gl);
-  if (auto ok = renderer->compile(); !ok) return fail(ok.error());
-  return std::unique_ptr<Renderer>(std::move(renderer));
+  return create_renderer<Renderer, GlRenderer>(std::move(context));
 }
 
 }  // namespace cuesta

@@ -21,10 +21,6 @@ namespace {
 
 constexpr std::array shadings{Shading::lit, Shading::wireframe, Shading::normals};
 
-tl::unexpected<Error> not_current() {
-  return fail(ErrorCode::io, "", "", "the OpenGL context cannot be made current");
-}
-
 /// What the shader reads of an instance: 64 bytes.
 struct InstanceRow {
   std::array<std::array<float, 4>, 3> to_camera;
@@ -295,31 +291,19 @@ Result<void> GlSceneRenderer::draw(const SceneDrawList& list, const View& view, 
 
 Result<Picture> GlSceneRenderer::read() {
   if (!context_->make_current()) return not_current();
-  Picture picture = target_.read();
-  if (picture.pixels.empty()) return fail(ErrorCode::invalid_input, "", "", "nothing has been drawn yet");
-  if (auto ok = check_gl_errors(gl_, "reading the picture"); !ok) return fail(ok.error());
-  return picture;
+  return read_drawn(gl_, target_);
 }
 
 Result<void> GlSceneRenderer::show(int width_px, int height_px, std::span<const TextBlock> text,
                                    int text_scale) {
   if (!context_->make_current()) return not_current();
-  target_.copy_to_window(width_px, height_px);
-  gl_.Viewport(0, 0, width_px, height_px);
-  text_.draw(lay_out(text, text_scale, width_px, height_px), width_px, height_px);
-  return check_gl_errors(gl_, "showing the picture");
+  return show_drawn(gl_, target_, text_, width_px, height_px, text, text_scale);
 }
 
 }  // namespace
 
 Result<std::unique_ptr<SceneRenderer>> SceneRenderer::create(std::unique_ptr<GlContext> context) {
-  CUESTA_CHECK(context != nullptr);
-  if (!context->make_current()) return not_current();
-  const auto gl = load_gl_functions(*context);
-  if (!gl) return fail(gl.error());
-  auto renderer = std::make_unique<GlSceneRenderer>(std::move(context), *gl);
-  if (auto ok = renderer->compile(); !ok) return fail(ok.error());
-  return std::unique_ptr<SceneRenderer>(std::move(renderer));
+  return create_renderer<SceneRenderer, GlSceneRenderer>(std::move(context));
 }
 
 }  // namespace cuesta
