@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cuesta/text_forms.h"
+#include "apps/overview/file_facts.h"
 #include "hierarchy/scene_file.h"
 
 namespace cuesta::app {
@@ -62,7 +63,7 @@ Totals totals_of(const SceneFile& file) {
 }
 
 ordered_json json_of(const Box3d& box) {
-  return {{"lo", {box.lo.x, box.lo.y, box.lo.z}}, {"hi", {box.hi.x, box.hi.y, box.hi.z}}};
+  return {{"lo", vector_json(box.lo)}, {"hi", vector_json(box.hi)}};
 }
 
 ordered_json json_of(const ScenePartEntry& p, std::uint64_t uses) {
@@ -86,16 +87,7 @@ ordered_json json_of(const ScenePartEntry& p, std::uint64_t uses) {
   return json;
 }
 
-std::string dump(const ordered_json& json, int indent) {
-  return json.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
-}
-
-ordered_json metadata_of(const SceneFile& file) {
-  const auto json = ordered_json::parse(file.directory().metadata, nullptr, false);
-  return json.is_discarded() ? ordered_json(file.directory().metadata) : json;
-}
-
-std::string json_text(const SceneFile& file, bool parts) {
+std::string scene_json(const SceneFile& file, bool parts) {
   const Totals t = totals_of(file);
   ordered_json json{{"file", file.path().string()},
                     {"kind", "scene"},
@@ -121,8 +113,8 @@ std::string json_text(const SceneFile& file, bool parts) {
   if (parts) json["part_list"] = ordered_json::array();
   for (std::size_t i = 0; parts && i < file.parts().size(); ++i)
     json["part_list"].push_back(json_of(file.parts()[i], t.uses[i]));
-  json["metadata"] = metadata_of(file);
-  return dump(json, 2) + "\n";
+  json["metadata"] = metadata_of(file.directory().metadata);
+  return json_text(json, 2) + "\n";
 }
 
 void print_parts(const SceneFile& file, const Totals& t) {
@@ -160,7 +152,7 @@ void print_text(const SceneFile& file, bool parts) {
     fmt::print("{:>6}{:>8}{:>12}{:>16}\n", k, with_commas(layers[k].parts), with_commas(layers[k].bytes),
                with_commas(layers[k].triangles));
   if (parts) print_parts(file, t);
-  fmt::print("\nmetadata: {}\n", dump(metadata_of(file), 2));
+  fmt::print("\nmetadata: {}\n", json_text(metadata_of(file.directory().metadata), 2));
 }
 
 }  // namespace
@@ -169,7 +161,7 @@ Result<void> run_scene_info(const InfoSettings& settings) {
   const auto file = SceneFile::open(settings.file);
   if (!file) return fail(file.error());
   if (settings.json)
-    fmt::print("{}", json_text(*file, settings.pages));
+    fmt::print("{}", scene_json(*file, settings.pages));
   else
     print_text(*file, settings.pages);
   return {};
