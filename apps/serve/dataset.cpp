@@ -18,7 +18,6 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr std::size_t most_attribution = 4096;
-constexpr std::size_t header_bytes = 64;
 
 std::string attribution_beside(const FoundFile& found) {
   const std::string name =
@@ -40,7 +39,7 @@ std::string attribution_of(const ordered_json& metadata, const FoundFile& found)
 
 /// Changes with any byte of the file, as far as its checksums tell.
 Result<std::string> content_tag(const Descriptor& file, const FoundFile& found) {
-  std::array<std::byte, header_bytes> header{};
+  std::array<std::byte, container_header_bytes> header{};
   if (::pread(file.get(), header.data(), header.size(), 0) != static_cast<ssize_t>(header.size()))
     return fail(ErrorCode::io, found.name, "byte 0", "the header cannot be read");
   return fmt::format("{:016x}-{:x}", checksum(header), found.stamp.bytes);
@@ -92,27 +91,39 @@ void tell_scene(Dataset& set, const SceneFile& scene, const FoundFile& found) {
   set.json = app::json_text(json, -1);
 }
 
+Result<void> tell(Dataset& set, ContainerKind kind, const std::filesystem::path& path,
+                  const FoundFile& found) {
+  if (kind == ContainerKind::scene) {
+    const auto scene = SceneFile::open(path);
+    if (!scene) return fail(scene.error());
+    tell_scene(set, *scene, found);
+  } else {
+    const auto surface = CuestaFile::open(path);
+    if (!surface) return fail(surface.error());
+    tell_surface(set, surface->directory(), found);
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<Dataset> open_dataset(const FoundFile& found) {
   Descriptor descriptor = found.open();
   if (!descriptor.is_open()) return fail(ErrorCode::not_found, found.name, "", "the file went away");
-  auto surface = CuestaFile::open(descriptor.path());
-  const Result<SceneFile> scene = surface ? fail(Error{}) : SceneFile::open(descriptor.path());
-  if (!surface && !scene) {
-    surface.error().file = found.name;
-    return fail(surface.error());
-  }
+  const auto named = [&found](Error error) {
+    error.file = found.name;
+    return fail(std::move(error));
+  };
+  const std::filesystem::path path = descriptor.path();
+  const auto kind = ContainerReader::kind_of(path);
+  if (!kind) return named(kind.error());
   const auto tag = content_tag(descriptor, found);
   if (!tag) return fail(tag.error());
   Dataset set;
   set.name = found.name.substr(0, found.name.size() - dataset_suffix.size());
   set.file = std::make_shared<const ServedFile>(
       make_served_file(std::move(descriptor), found.stamp, *tag, "application/vnd.cuesta"));
-  if (surface)
-    tell_surface(set, surface->directory(), found);
-  else
-    tell_scene(set, *scene, found);
+  if (auto told = tell(set, *kind, path, found); !told) return named(told.error());
   return set;
 }
 
