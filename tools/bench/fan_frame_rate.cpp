@@ -35,6 +35,13 @@ Result<std::unique_ptr<Renderer>> make_renderer() {
   return Renderer::create(std::move(*context));
 }
 
+/// Processor time of all threads of the process, which a software renderer has several of.
+double process_ms() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
+}
+
 Result<double> draw(Renderer& renderer, const DrawList& list, const View& view) {
   DrawOptions options;
   options.antialias = false;
@@ -45,12 +52,6 @@ Result<double> draw(Renderer& renderer, const DrawList& list, const View& view) 
 }
 
 }  // namespace
-
-double process_ms() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
-}
 
 Result<FrameRate> FrameRate::create(const Grid& grid, const baselines::ViewDependenceTree& tree) {
   auto fan = make_renderer();

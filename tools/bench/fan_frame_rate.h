@@ -13,9 +13,6 @@
 
 namespace cuesta::bench {
 
-/// Processor milliseconds of all threads of the process, which a software renderer has several of.
-double process_ms();
-
 class FrameRate {
  public:
   /// @param tree  its full resolution gives the normals.   @error of the context and the renderer.
