@@ -65,32 +65,29 @@ void read_time(Words& w, Moment& m) {
   m.second = w.number(2);
 }
 
-Moment read_fixdate(Words& w) {
+/// ", 06 Nov 1994 08:49:37 GMT", with other things between day, month and year, and years of so many digits.
+Moment read_date(Words& w, std::string_view between, std::size_t year_digits) {
   Moment m;
   w.literal(", ");
   m.day = w.number(2);
-  w.literal(" ");
+  w.literal(between);
   m.month = w.month();
-  w.literal(" ");
-  m.year = w.number(4);
+  w.literal(between);
+  m.year = w.number(year_digits);
   w.literal(" ");
   read_time(w, m);
   w.literal(" GMT");
   return m;
 }
 
+Moment read_fixdate(Words& w) {
+  return read_date(w, " ", 4);
+}
+
 Moment read_rfc850(Words& w) {
-  Moment m;
-  w.literal(", ");
-  m.day = w.number(2);
-  w.literal("-");
-  m.month = w.month();
-  w.literal("-");
-  m.year = pivot_year - pivot_year % 100 + w.number(2);
+  Moment m = read_date(w, "-", 2);
+  m.year += pivot_year - pivot_year % 100;
   if (m.year > pivot_year + 50) m.year -= 100;
-  w.literal(" ");
-  read_time(w, m);
-  w.literal(" GMT");
   return m;
 }
 
