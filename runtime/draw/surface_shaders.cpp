@@ -4,7 +4,21 @@ namespace cuesta {
 namespace {
 
 /// What vertex shaders share.
-constexpr const char* decoding_text = R"(
+constexpr const char* shared_vertex_text = R"(
+uniform vec2 focal;
+uniform float near_units;
+
+/// A place in the camera's frame.
+vec4 in_picture(vec3 p) {
+  float distance = -p.z;
+#ifdef FRAGMENT_DEPTH
+  float depth = distance - 2.0 * near_units;  // clips at the near plane only
+#else
+  float depth = near_units;
+#endif
+  return vec4(focal * p.xy, depth, distance);
+}
+
 vec3 decode_normal(ivec2 code) {
   if (code == ivec2(-32768)) return vec3(0.0);
   vec2 uv = vec2(code) / 32767.0;
@@ -26,8 +40,6 @@ layout(location = 2) in vec4 colour;        // sRGB
 uniform ivec3 eye_whole;
 uniform vec3 eye_part;
 uniform mat3 rotation;
-uniform vec2 focal;
-uniform float near_units;
 uniform vec3 surface_colour;  // linear
 
 INTERFACE(out, Surface, {
@@ -85,13 +97,7 @@ void main() {
   surface.position = rotation * from_eye;
   surface.normal = rotation * normal;
   surface.colour = linear_from_srgb(colour.rgb) * surface_colour;
-  float distance = -surface.position.z;
-#ifdef FRAGMENT_DEPTH
-  float depth = distance - 2.0 * near_units;  // clips at the near plane only
-#else
-  float depth = near_units;
-#endif
-  gl_Position = vec4(focal * surface.position.xy, depth, distance);
+  gl_Position = in_picture(surface.position);
 }
 )";
 
@@ -107,8 +113,6 @@ layout(location = 5) in vec4 to_back;
 layout(location = 6) in vec4 tint;  // linear
 
 uniform ivec3 anchor;
-uniform vec2 focal;
-uniform float near_units;
 uniform vec3 surface_colour;  // linear
 
 INTERFACE(out, Surface, {
@@ -128,13 +132,7 @@ void main() {
   surface.normal = size > 0.0 ? turned / size : vec3(0.0);
   if (dot(to_right.xyz, cross(to_up.xyz, to_back.xyz)) < 0.0) surface.normal = -surface.normal;
   surface.colour = linear_from_srgb(colour.rgb) * surface_colour * tint.rgb;
-  float distance = -surface.position.z;
-#ifdef FRAGMENT_DEPTH
-  float depth = distance - 2.0 * near_units;  // clips at the near plane only
-#else
-  float depth = near_units;
-#endif
-  gl_Position = vec4(focal * surface.position.xy, depth, distance);
+  gl_Position = in_picture(surface.position);
 }
 )";
 
@@ -396,18 +394,18 @@ std::string define_of(Shading shading) {
 
 ShaderSources page_number_shaders(bool fragment_depth) {
   const std::string head = head_of(fragment_depth);
-  return {head + decoding_text + vertex_text, "", head + page_number_text};
+  return {head + shared_vertex_text + vertex_text, "", head + page_number_text};
 }
 
 ShaderSources surface_shaders(Shading shading, bool fragment_depth, ShaderDialect dialect) {
   const std::string head = head_of(fragment_depth, dialect) + define_of(shading);
-  return {head + decoding_text + vertex_text,
+  return {head + shared_vertex_text + vertex_text,
           shading == Shading::wireframe ? head + wireframe_geometry_text : "", head + fragment_text};
 }
 
 ShaderSources instance_shaders(Shading shading, bool fragment_depth) {
   const std::string head = head_of(fragment_depth) + define_of(shading) + "#define TWO_SIDED\n";
-  return {head + decoding_text + instance_vertex_text,
+  return {head + shared_vertex_text + instance_vertex_text,
           shading == Shading::wireframe ? head + wireframe_geometry_text : "", head + fragment_text};
 }
 
