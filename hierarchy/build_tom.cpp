@@ -46,9 +46,8 @@ class Recorder {
     note_error(kernel_.measure(u, v));
     const ErrorCode8 error = current_code_;
     children_.clear();
-    balls_.clear();
     changed_.clear();
-    kernel_.apply(u, v, error, children_, balls_, changed_);
+    kernel_.apply(u, v, error, children_, changed_);
     for (const Child& c : children_) removals_.steps.emplace_back(c.vertex, c.target);
     if (children_.size() < first_vertex_[u + 1] - first_vertex_[u]) remove_unused_wedges(u, v);
     return children_;
@@ -64,9 +63,8 @@ class Recorder {
   void absorb(std::span<const PointId> members, PointId v) {
     note_error(kernel_.measure_absorption(members, v));
     children_.clear();
-    balls_.clear();
     changed_.clear();
-    kernel_.absorb(members, v, current_code_, children_, balls_, changed_);
+    kernel_.absorb(members, v, current_code_, children_, changed_);
     for (std::size_t i = 0; i < members.size(); ++i) {
       const PointId next = i + 1 < members.size() ? members[i + 1] : v;
       for (std::uint32_t w = first_vertex_[members[i]]; w < first_vertex_[members[i] + 1]; ++w)
@@ -99,7 +97,6 @@ class Recorder {
   float error_ = 0;
   ErrorCode8 current_code_ = 0;
   std::vector<Child> children_;
-  std::vector<Sphere> balls_;
   std::vector<TriangleId> changed_;
 };
 

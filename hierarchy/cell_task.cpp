@@ -119,6 +119,8 @@ Result<CellOutput> run_cell_task(Cell cell, const RoundChunk& chunk, const Input
   if (!options.base) page.orphans = orphans_of(page, simplified.survivors);
   const auto owned = owned_vertices(page);
   page.owned = owned_vertices_of(page, owned, chunk, cell.vertices);
+  for (std::uint32_t v = 0; v < page.vertex_count; ++v)
+    if (!owned[v]) page.survivors.push_back(positions[v]);
 
   CellOutput out;
   out.facts.entry = describe(page, simplified.survivors, positions);

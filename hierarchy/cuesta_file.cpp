@@ -40,7 +40,7 @@ CuestaFile::CuestaFile(std::shared_ptr<const ContainerReader> container, Directo
                        std::string place)
     : container_(std::move(container)), directory_(std::move(directory)), place_(std::move(place)) {}
 
-Result<Page> CuestaFile::read_page(PageId id) const {
+Result<Page> CuestaFile::read_page(PageId id, std::span<const Vec3i> survivors) const {
   CUESTA_CHECK(id < directory_.pages.size(), id);
   const PageEntry& entry = directory_.pages[id];
   const auto at_page = [&](Error error) {
@@ -51,16 +51,17 @@ Result<Page> CuestaFile::read_page(PageId id) const {
   };
   const auto bytes = container_->read(entry.block);
   if (!bytes) return at_page(bytes.error());
-  auto page = decode_page(*bytes);
+  auto page = decode_page(*bytes, survivors);
   if (!page) return at_page(page.error());
   if (!matches(*page, entry, id == directory_.base()))
     return at_page({ErrorCode::corrupt, "", "", "the page contradicts its directory entry"});
   return page;
 }
 
-Result<std::shared_ptr<const Page>> CuestaFile::shared_page(PageId id) const {
+Result<std::shared_ptr<const Page>> CuestaFile::shared_page(PageId id,
+                                                            std::span<const Vec3i> survivors) const {
   const auto read = [&]() -> Result<std::shared_ptr<const Page>> {
-    auto page = read_page(id);
+    auto page = read_page(id, survivors);
     if (!page) return fail(page.error());
     return std::make_shared<const Page>(std::move(*page));
   };

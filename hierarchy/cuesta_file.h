@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "hierarchy/directory.h"
@@ -27,15 +28,16 @@ class CuestaFile {
   std::uint64_t file_bytes() const { return container_->file_bytes(); }
 
   /// Reads, checks and decodes one page. Concurrent calls are safe. @pre id < directory().pages.size().
+  /// @param survivors  as Page::survivors: who has the coarser pages knows them (SurvivorPlaces)
   /// @error io; corrupt (checksum, damaged stream, or a page that contradicts its directory entry), place
   /// "page N".
-  Result<Page> read_page(PageId id) const;
+  Result<Page> read_page(PageId id, std::span<const Vec3i> survivors) const;
 
   /// Pages that are looked for on a shelf first, and put there, when they are taken by shared_page().
   /// @param shelf  of this very file's content.
   void set_shelf(std::shared_ptr<PageShelf> shelf) { shelf_ = std::move(shelf); }
   /// As read_page(); with a shelf, at most one of those who ask decodes it as long as it stays there.
-  Result<std::shared_ptr<const Page>> shared_page(PageId id) const;
+  Result<std::shared_ptr<const Page>> shared_page(PageId id, std::span<const Vec3i> survivors) const;
 
  private:
   static Result<CuestaFile> open(Result<ContainerReader> container);

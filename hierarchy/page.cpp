@@ -9,4 +9,14 @@ std::vector<std::uint8_t> owned_vertices(const Page& page) {
   return owned;
 }
 
+std::vector<Vec3i> local_positions(const Page& page) {
+  const auto owned = owned_vertices(page);
+  std::vector<Vec3i> positions(page.vertex_count);
+  auto from_owned = page.owned.positions.begin();
+  auto from_coarser = page.survivors.begin();
+  for (std::uint32_t v = 0; v < page.vertex_count; ++v)
+    positions[v] = owned[v] ? *from_owned++ : *from_coarser++;
+  return positions;
+}
+
 }  // namespace cuesta

@@ -37,10 +37,14 @@ struct Page {
   Script script;
   std::vector<std::uint32_t> orphans;  ///< ascending; neither removed nor used by a surviving triangle
   VertexTable owned;  ///< ascending local order
+  std::vector<Vec3i> survivors;  ///< positions of the vertices that coarser pages own, ascending local order
   std::vector<PageSource> sources;
 };
 
 /// 1 for each local vertex that the page owns.
 std::vector<std::uint8_t> owned_vertices(const Page& page);
+
+/// Positions of all local vertices.   @pre owned and survivors have all of theirs
+std::vector<Vec3i> local_positions(const Page& page);
 
 }  // namespace cuesta

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "hierarchy/packed_planes.h"
+#include "hierarchy/sphere_codec.h"
 #include "hierarchy/triangle_codec.h"
 #include "hierarchy/vertex_codec.h"
 #include "ooc/byte_stream.h"
@@ -21,7 +22,7 @@
 namespace cuesta {
 namespace {
 
-constexpr std::uint8_t codec_version = 2;  // 1 was never released
+constexpr std::uint8_t codec_version = 3;
 constexpr std::uint8_t flag_base = 1, flag_normals = 2, flag_colours = 4, flag_texcoords = 8,
                        flag_wedges = 16;
 
@@ -30,7 +31,7 @@ using Streams = std::array<Planes, page_stream_count>;
 
 /// A stream of numbers in one plane of classes, and the bits.
 constexpr std::size_t number_planes = 2;
-constexpr std::size_t sphere_planes = number_planes + 3, error_planes = 2;
+constexpr std::size_t error_planes = 2;
 
 constexpr std::array<std::size_t, page_stream_count> planes_of_stream{triangle_planes,
                                                                       position_planes,
@@ -89,22 +90,14 @@ Planes one_plane(ByteWriter& w) {
 }
 
 void pack_fans(const Page& page, Streams& out) {
-  NumberWriter centres(1), sizes(1), radii(1);
-  Planes offsets(3);
-  std::int64_t centre = 0, radius = 0;
+  NumberWriter centres(1), sizes(1);
+  std::int64_t centre = 0;
   for (const Fan& fan : page.script.fans) {
     centres.put_signed(0, fan.centre - std::exchange(centre, fan.centre));
     sizes.put(0, fan.child_count);
-    radii.put_signed(0, fan.sphere.radius - std::exchange(radius, fan.sphere.radius));
-    offsets[0].push_back(static_cast<std::byte>(fan.sphere.offset_x));
-    offsets[1].push_back(static_cast<std::byte>(fan.sphere.offset_y));
-    offsets[2].push_back(static_cast<std::byte>(fan.sphere.offset_z));
   }
-  const auto at = [&out](PageStream s) -> Planes& { return out[static_cast<std::size_t>(s)]; };
-  at(PageStream::fan_centres) = centres.take();
-  at(PageStream::fan_sizes) = sizes.take();
-  at(PageStream::fan_spheres) = radii.take();
-  for (Plane& p : offsets) at(PageStream::fan_spheres).push_back(std::move(p));
+  out[static_cast<std::size_t>(PageStream::fan_centres)] = centres.take();
+  out[static_cast<std::size_t>(PageStream::fan_sizes)] = sizes.take();
 }
 
 void pack_children(const Page& page, Streams& out) {
@@ -132,10 +125,12 @@ Streams pack_streams(const Page& page) {
   std::vector<Hint> hints;
   at(PageStream::triangles) = pack_triangles(page.triangles, page.vertex_count, hints);
   const OwnedMesh mesh(page, hints);
-  at(PageStream::positions) = pack_positions(mesh, page.owned.positions);
-  at(PageStream::normals) = pack_normals(mesh, page);
+  const auto places = local_positions(page);
+  at(PageStream::positions) = pack_positions(mesh, places);
+  at(PageStream::normals) = pack_normals(mesh, places, page);
   at(PageStream::colours) = pack_colours(mesh, page.owned.colours);
   at(PageStream::texcoords) = pack_texcoords(mesh, page.owned.texcoords);
+  at(PageStream::fan_spheres) = pack_spheres(page, places);
   pack_fans(page, out);
   pack_children(page, out);
 
@@ -188,37 +183,21 @@ std::int64_t get_near(NumberReader& r, std::int64_t from, std::uint32_t vertices
   return v >= 0 && v < vertices ? v : -1;
 }
 
-/// Radius finite and not negative, offsets as they are.
-bool get_sphere(NumberReader& radii, std::span<const Plane> offsets, std::size_t fan, SphereCode before,
-                SphereCode& out) {
-  const std::int64_t radius = before.radius + radii.get_signed(0);
-  if (radius < 0 || radius >= 0x7F80) return false;
-  out = {static_cast<std::uint16_t>(radius), static_cast<std::int8_t>(offsets[0][fan]),
-         static_cast<std::int8_t>(offsets[1][fan]), static_cast<std::int8_t>(offsets[2][fan])};
-  return true;
-}
-
 bool unpack_fans(const Streams& in, const Counts& n, Script& script) {
   const auto planes = [&in](PageStream s) { return std::span(in[static_cast<std::size_t>(s)]); };
-  NumberReader centres(planes(PageStream::fan_centres)), sizes(planes(PageStream::fan_sizes)),
-      radii(planes(PageStream::fan_spheres).first(number_planes));
-  const auto offsets = planes(PageStream::fan_spheres).subspan(number_planes);
-  for (const Plane& p : offsets)
-    if (p.size() != n.fans) return false;
+  NumberReader centres(planes(PageStream::fan_centres)), sizes(planes(PageStream::fan_sizes));
   script.fans.resize(n.fans);
   std::uint32_t children = 0;
-  Fan before{0, 0, 0, {}};
-  for (std::uint32_t f = 0; f < n.fans; ++f) {
-    Fan& fan = script.fans[f];
-    const std::int64_t centre = get_near(centres, before.centre, n.vertices);
+  std::int64_t before = 0;
+  for (Fan& fan : script.fans) {
+    const std::int64_t centre = get_near(centres, before, n.vertices);
     const std::uint64_t size = sizes.get(0);
     if (centre < 0 || size == 0 || size > max_fan_children || size > n.children - children) return false;
     fan = {static_cast<std::uint32_t>(centre), children, static_cast<std::uint32_t>(size), {}};
-    if (!get_sphere(radii, offsets, f, before.sphere, fan.sphere)) return false;
     children += fan.child_count;
-    before = fan;
+    before = centre;
   }
-  return children == n.children && centres.at_end() && sizes.at_end() && radii.at_end();
+  return children == n.children && centres.at_end() && sizes.at_end();
 }
 
 /// Children of the fans. A vertex goes once, to one that is still there; errors do not fall along a fan, and
@@ -311,6 +290,7 @@ Result<Counts> read_counts(ByteReader& r) {
   for (auto count : {n.vertices, n.triangles, n.owned, n.fans, n.children, n.sources})
     if (count > max_page_elements || n.strict_fans > n.fans)
       return corrupt("a count of " + std::to_string(count) + " is beyond any page");
+  if (n.owned > n.vertices) return corrupt("it owns more vertices than it has");
   return n;
 }
 
@@ -349,6 +329,21 @@ std::uint64_t raw_bound(PageStream s, const Counts& n) {
       break;
   }
   return 0;
+}
+
+/// Places of all local vertices, of which the survivors' are there.
+std::vector<Vec3i> places_of_survivors(const OwnedMesh& mesh, std::span<const Vec3i> survivors) {
+  std::vector<Vec3i> places(mesh.local_count());
+  std::size_t next = 0;
+  for (std::uint32_t v = 0; v < places.size(); ++v)
+    if (mesh.number(v) == OwnedMesh::nobody) places[v] = survivors[next++];
+  return places;
+}
+
+std::vector<Vec3i> places_of_owned(const OwnedMesh& mesh, std::span<const Vec3i> places) {
+  std::vector<Vec3i> owned(mesh.count());
+  for (std::size_t v = 0; v < owned.size(); ++v) owned[v] = places[mesh.local(v)];
+  return owned;
 }
 
 Result<Streams> read_streams(ByteReader& r, const Counts& n) {
@@ -409,7 +404,7 @@ Result<PageStreamBytes> bytes_per_stream(std::span<const std::byte> page) {
   return spent;
 }
 
-Result<Page> decode_page(std::span<const std::byte> bytes) {
+Result<Page> decode_page(std::span<const std::byte> bytes, std::span<const Vec3i> survivors) {
   ByteReader r(bytes);
   const auto counts = read_counts(r);
   if (!counts) return fail(counts.error());
@@ -421,6 +416,9 @@ Result<Page> decode_page(std::span<const std::byte> bytes) {
   const auto none = [&](PageStream s) {
     return std::all_of(at(s).begin(), at(s).end(), [](const Plane& p) { return p.empty(); });
   };
+  if (survivors.size() != n.vertices - n.owned)
+    return corrupt("it has " + std::to_string(n.vertices - n.owned) + " survivors, and coarser pages " +
+                   std::to_string(survivors.size()));
   Page page;
   page.round = n.round;
   page.base = (n.flags & flag_base) != 0;
@@ -434,9 +432,11 @@ Result<Page> decode_page(std::span<const std::byte> bytes) {
   if (!unpack_triangles(at(PageStream::triangles), n.vertices, page.triangles, hints))
     return corrupt("damaged triangles");
   const OwnedMesh mesh(page, hints);
-  if (!unpack_positions(at(PageStream::positions), mesh, page.owned.positions))
-    return corrupt("damaged positions");
-  if (!(n.flags & flag_normals ? unpack_normals(at(PageStream::normals), mesh, page)
+  auto places = places_of_survivors(mesh, survivors);
+  if (!unpack_positions(at(PageStream::positions), mesh, places)) return corrupt("damaged positions");
+  page.survivors.assign(survivors.begin(), survivors.end());
+  page.owned.positions = places_of_owned(mesh, places);
+  if (!(n.flags & flag_normals ? unpack_normals(at(PageStream::normals), mesh, places, page)
                                : none(PageStream::normals)))
     return corrupt("damaged normals");
   if (!(n.flags & flag_colours ? unpack_colours(at(PageStream::colours), mesh, page.owned.colours)
@@ -446,6 +446,7 @@ Result<Page> decode_page(std::span<const std::byte> bytes) {
                                  : none(PageStream::texcoords)))
     return corrupt("damaged texture coordinates");
   if (!unpack_sources(*streams, n, page)) return corrupt("damaged sources");
+  if (!unpack_spheres(at(PageStream::fan_spheres), places, page)) return corrupt("damaged spheres");
   return page;
 }
 

@@ -37,7 +37,8 @@ inline constexpr std::size_t page_stream_count = static_cast<std::size_t>(PageSt
 std::string_view name(PageStream stream);
 using PageStreamBytes = std::array<std::uint64_t, page_stream_count>;
 
-/// Encodes a page. @param spent  if given, the stored size of each stream is added to it.
+/// Encodes a page, but for survivors, which coarser pages have. @param spent  if given, the stored size of
+/// each stream is added to it.
 /// @pre triangles are smallest_first, fans and children index vertices, owned arrays match the script.
 std::vector<std::byte> encode_page(const Page& page, PageStreamBytes* spent = nullptr);
 
@@ -50,9 +51,10 @@ inline constexpr std::uint32_t max_page_elements = 1u << 22;
 
 /// Decodes what encode_page gave, checking every count and index: hostile bytes give an error, never a bad
 /// page.
+/// @param survivors  as Page::survivors
 /// @error corrupt, unsupported_version (place: the stream). Memory: bounded by max_page_elements, and by
-/// 65,536 times
-///        the bytes given.
-Result<Page> decode_page(std::span<const std::byte> bytes);
+/// 65,536
+///        times the bytes given.
+Result<Page> decode_page(std::span<const std::byte> bytes, std::span<const Vec3i> survivors);
 
 }  // namespace cuesta

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <list>
 #include <memory>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -26,11 +27,13 @@ class PagePositions {
   ///         then complaint() says what is wrong with the page itself, or is empty if it is another page's
   ///         fault.
   std::shared_ptr<const Known> of(PageId id);
+  /// As Page::survivors, to read the page with; nothing and complaint() as of().
+  std::optional<std::vector<Vec3i>> survivors(PageId id);
   const std::string& complaint() const { return complaint_; }
 
  private:
   std::shared_ptr<const Known> resolve(PageId id);
-  bool fill_survivors(PageId id, const Page& page, Known& known);
+  std::optional<std::vector<Vec3i>> find_survivors(PageId id);
   void remember(PageId id, std::shared_ptr<const Known> known);
 
   struct Entry {

@@ -6,9 +6,10 @@
 #include <limits>
 #include <utility>
 
-#include "hierarchy/bounding_sphere.h"
 #include "hierarchy/component_absorber.h"
+#include "hierarchy/fan_cover.h"
 #include "hierarchy/substitution_kernel.h"
+#include "ooc/check.h"
 
 namespace cuesta {
 namespace {
@@ -273,7 +274,6 @@ class FanMerger {
       }
     std::sort(candidates_.begin(), candidates_.end());
     const std::uint32_t first = static_cast<std::uint32_t>(result_.script.children.size());
-    balls_.clear();
     changed_.clear();
     ErrorCode8 error = 0;
     std::size_t merged = 0;
@@ -295,7 +295,7 @@ class FanMerger {
         continue;
       }
       error = std::max(error, encode_error_up(std::max(deviation, kernel_.birth_error())));
-      kernel_.apply(u, v, error, result_.script.children, balls_, changed_);
+      kernel_.apply(u, v, error, result_.script.children, changed_);
       note_gone(u);
       if (kernel_.closed_hole_corner() != none) forget_cheapest_around(v, kernel_.closed_hole_corner());
       ++merged;
@@ -330,9 +330,8 @@ class FanMerger {
       const float deviation = kernel_.measure_absorption(members, candidate.target);
       const ErrorCode8 error = encode_error_up(std::max(deviation, kernel_.birth_error()));
       const auto first = static_cast<std::uint32_t>(result_.script.children.size());
-      balls_.clear();
-      changed_.clear();
-      kernel_.absorb(members, candidate.target, error, result_.script.children, balls_, changed_);
+        changed_.clear();
+      kernel_.absorb(members, candidate.target, error, result_.script.children, changed_);
       for (PointId p : members) note_gone(p);
       close_fan(candidate.target, first, error);
       ++taken;
@@ -342,11 +341,9 @@ class FanMerger {
 
   void close_fan(PointId v, std::uint32_t first, ErrorCode8 error) {
     largest_error_ = std::max(largest_error_, decode_error(error));
-    const Vec3i centre = kernel_.grid_position(v);
-    const SphereCode code = enclose(balls_, centre);
     result_.script.fans.push_back({kernel_.first_vertex(v), first,
-                                   static_cast<std::uint32_t>(result_.script.children.size()) - first, code});
-    kernel_.rebirth(changed_, {decode_error(error), decode_sphere(code, centre)});
+                                   static_cast<std::uint32_t>(result_.script.children.size()) - first, {}});
+    kernel_.rebirth(changed_, decode_error(error));
   }
 
   SubstitutionKernel kernel_;
@@ -370,7 +367,6 @@ class FanMerger {
   std::array<std::uint32_t, 1024> histogram_;  // of the costs below `never`
   std::size_t finite_ = 0;                     // their number
   std::vector<std::pair<float, PointId>> candidates_;
-  std::vector<Sphere> balls_;
   std::vector<TriangleId> changed_;
   SimplifyResult result_;
 };
@@ -378,7 +374,19 @@ class FanMerger {
 }  // namespace
 
 SimplifyResult simplify_cell(CellMesh cell, const SimplifyOptions& options) {
-  return FanMerger(std::move(cell), options).run();
+  const auto positions = cell.positions;
+  const auto first_wedge = cell.wedge_group;
+  const auto triangles = cell.triangles;
+  const auto births = cell.births;
+  SimplifyResult result = FanMerger(std::move(cell), options).run();
+  std::vector<std::uint32_t> changed;
+  CUESTA_CHECK(cover_fans({positions, first_wedge, triangles, births}, result.script, changed));
+  for (std::size_t i = 0; i < result.survivors.triangles.size(); ++i)
+    if (const std::uint32_t f = changed[result.survivors.triangles[i]]; f != no_fan) {
+      const Fan& fan = result.script.fans[f];
+      result.survivors.births[i].sphere = decode_sphere(fan.sphere, positions[fan.centre]);
+    }
+  return result;
 }
 
 }  // namespace cuesta

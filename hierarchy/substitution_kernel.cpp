@@ -47,7 +47,6 @@ SubstitutionKernel::SubstitutionKernel(CellMesh cell) : births_(std::move(cell.b
   live_triangles_ = static_cast<std::uint32_t>(corners_.size());
   alive_.assign(corners_.size(), 1);
   stamp_.assign(position_.size(), 0);
-  ball_stamp_.assign(position_.size(), 0);
   build_stars();
   walk_edges();
   build_quadrics();
@@ -490,34 +489,6 @@ float SubstitutionKernel::birth_error() const {
   return error;
 }
 
-/// Points of the patch and its targets, and the balls they were born with; each once in a fan.
-void SubstitutionKernel::cover_patch(std::vector<Sphere>& balls) {
-  if (births_.empty()) return;
-  if (balls.empty()) {
-    born_balls_.clear();
-    if (++current_fan_ == 0) {
-      std::fill(ball_stamp_.begin(), ball_stamp_.end(), 0u);
-      current_fan_ = 1;
-    }
-  }
-  const Vec3f to_grid = vec_cast<float>(origin_);
-  const auto known = [&](const Sphere& s) {
-    return std::any_of(born_balls_.rbegin(), born_balls_.rend(), [&](std::uint32_t i) {
-      return balls[i].radius == s.radius && balls[i].centre == s.centre;
-    });
-  };
-  for (const auto* triangles : {&patch_, targets_apart_ ? &targets_ : &guarded_, &guarded_})
-    for (TriangleId t : *triangles) {
-      if (births_[t].sphere.radius > 0 && !known(births_[t].sphere)) {
-        born_balls_.push_back(static_cast<std::uint32_t>(balls.size()));
-        balls.push_back(births_[t].sphere);
-      }
-      for (PointId q : corners_[t])
-        if (std::exchange(ball_stamp_[q], current_fan_) != current_fan_)
-          balls.push_back({position_[q] + to_grid, 0});
-    }
-}
-
 void SubstitutionKernel::remove_from_star(PointId p, TriangleId t) {
   TriangleId* const first = arena_.data() + star_begin_[p];
   TriangleId* const last = first + star_size_[p];
@@ -568,8 +539,7 @@ void SubstitutionKernel::pack_samples() {
 }
 
 void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vector<Child>& children,
-                               std::vector<Sphere>& balls, std::vector<TriangleId>& changed) {
-  cover_patch(balls);
+                               std::vector<TriangleId>& changed) {
   if (wedges_.empty()) {
     children.push_back({first_vertex_[u], first_vertex_[v], error, false});
   } else {
@@ -624,9 +594,7 @@ void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vect
 }
 
 void SubstitutionKernel::absorb(std::span<const PointId> members, PointId v, ErrorCode8 error,
-                                std::vector<Child>& children, std::vector<Sphere>& balls,
-                                std::vector<TriangleId>& changed) {
-  cover_patch(balls);
+                                std::vector<Child>& children, std::vector<TriangleId>& changed) {
   std::vector<std::uint32_t> vertices;
   for (TriangleId t : patch_)
     for (std::uint32_t vertex : wedges_.empty() ? corners_[t] : wedges_[t])
@@ -647,8 +615,8 @@ void SubstitutionKernel::absorb(std::span<const PointId> members, PointId v, Err
   redistribute_samples();
 }
 
-void SubstitutionKernel::rebirth(std::span<const TriangleId> changed, const Birth& birth) {
-  for (TriangleId t : changed) births_[t] = birth;
+void SubstitutionKernel::rebirth(std::span<const TriangleId> changed, float error) {
+  for (TriangleId t : changed) births_[t].error = error;
 }
 
 /// Of a field of heights: the samples at the triangle's edges on a rim, or beyond them. Others may be found

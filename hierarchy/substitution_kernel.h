@@ -93,9 +93,9 @@ class SubstitutionKernel {
   }
   /// Largest birth error of the triangles that what was measured last depends on.
   float birth_error() const;
-  /// Applies u → v as measured last; appends the wedge substitutions with this error to `children`, the balls
-  /// it depends on and covers to `balls`, and the triangles it changed to `changed`.
-  void apply(PointId u, PointId v, ErrorCode8 error, std::vector<Child>& children, std::vector<Sphere>& balls,
+  /// Applies u → v as measured last; appends the wedge substitutions with this error to `children`, and the
+  /// triangles it changed to `changed`.
+  void apply(PointId u, PointId v, ErrorCode8 error, std::vector<Child>& children,
              std::vector<TriangleId>& changed);
   /// The third corner of the border loop that the substitution applied last closed, or none: it and v may
   /// have left the border, so what may join them has changed.
@@ -105,10 +105,11 @@ class SubstitutionKernel {
   float measure_absorption(std::span<const PointId> members, PointId v);
   /// Removes the component as measured last: all its vertices go to v together. Arguments as apply().
   void absorb(std::span<const PointId> members, PointId v, ErrorCode8 error, std::vector<Child>& children,
-              std::vector<Sphere>& balls, std::vector<TriangleId>& changed);
+              std::vector<TriangleId>& changed);
 
-  /// The fan that changed these triangles is complete: they are reborn with its error and sphere.
-  void rebirth(std::span<const TriangleId> changed, const Birth& birth);
+  /// The fan that changed these triangles is complete: they are reborn with its error. (Its ball is
+  /// cover_fans()'.)
+  void rebirth(std::span<const TriangleId> changed, float error);
 
   std::span<const Vec3f> positions() const { return position_; }  ///< per point, about the cell's own origin
   Vec3i grid_position(PointId p) const {
@@ -171,7 +172,6 @@ class SubstitutionKernel {
   void collect_samples();
   float worst_bound() const;
   void measure_targets(PointId u, PointId v);
-  void cover_patch(std::vector<Sphere>& balls);
   void choose_targets(PointId u, PointId v);
   void redistribute_samples();
   void pack_samples();
@@ -205,9 +205,6 @@ class SubstitutionKernel {
   DeviationBatch batch_;
   std::vector<std::array<Vec3f, 3>> target_corners_;
   std::vector<std::uint32_t> target_fill_;
-  std::vector<std::uint32_t> ball_stamp_;  // points that are in the fan's balls
-  std::uint32_t current_fan_ = 0;
-  std::vector<std::uint32_t> born_balls_;    // those of the fan's balls that are births
   std::vector<TriangleId> patch_, targets_;  // triangles that go or change; those that take their samples
   bool targets_apart_ = false;               // targets are no part of the patch
   std::vector<TriangleId> guarded_;  // reborn too: nothing at the corners of what goes may change before it

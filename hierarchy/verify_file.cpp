@@ -1,6 +1,7 @@
 #include "hierarchy/verify_file.h"
 
 #include <algorithm>
+#include <optional>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -40,10 +41,9 @@ class FileCheck {
 
  private:
   void check_page(PageId id) {
-    if (const auto page = file_.read_page(id)) {
+    if (const auto page = read(id)) {
       replay(id, *page);
     } else {
-      report_.add(Check::readable, id, 0, page.error().text());
       ++unchecked_;
       // It claims nothing, so its sources cannot be called incomplete.
       for (PageId s : sources_[id]) excused_.insert(s);
@@ -51,17 +51,23 @@ class FileCheck {
     release_sources(id);
   }
 
+  std::optional<Page> read(PageId id) {
+    const auto survivors = positions_.survivors(id);
+    if (!positions_.complaint().empty()) report_.add(Check::sources, id, 0, positions_.complaint());
+    if (!survivors) return {};
+    auto page = file_.read_page(id, *survivors);
+    if (page) return std::move(*page);
+    report_.add(Check::readable, id, 0, page.error().text());
+    return {};
+  }
+
   void replay(PageId id, const Page& page) {
     std::vector<Birth> births = claim_sources(id, page);
-    const auto known = positions_.of(id);
-    if (!positions_.complaint().empty()) report_.add(Check::sources, id, 0, positions_.complaint());
-    if (!known) {
-      ++unchecked_;
-      return;
-    }
+    const auto positions = local_positions(page);
     const PageEntry& entry = file_.directory().pages[id];
-    ReplayedSurvivors survivors = verify_script(id, page, known->positions, std::move(births), file_.directory().vertical, report_);
-    check_entry(id, entry, page, known->positions, survivors, report_);
+    ReplayedSurvivors survivors =
+        verify_script(id, page, positions, std::move(births), file_.directory().vertical, report_);
+    check_entry(id, entry, page, positions, survivors, report_);
     if (!page.base)
       waiting_[id] = claimable(std::move(survivors), static_cast<std::uint32_t>(entry.coarser.size()));
   }

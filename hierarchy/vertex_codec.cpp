@@ -2,26 +2,28 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdlib>
 #include <optional>
 
 namespace cuesta {
 namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
-constexpr std::uint32_t nobody = OwnedMesh::nobody;
 
-/// An element's guessed k-th component.
-template <class T>
-std::int64_t guessed(const OwnedMesh& mesh, const std::vector<T>& values, std::size_t vertex, int k) {
+using TexcoordSteps = std::array<std::int32_t, 2>;
+
+/// The guessed k-th component of an owned vertex's position; `places` are those of local vertices.
+std::int64_t guessed_place(const OwnedMesh& mesh, std::span<const Vec3i> places, std::size_t vertex, int k) {
+  if (mesh.local(vertex) == 0) return 0;
+  const Guess& g = mesh.position_guess(vertex);
+  return std::int64_t{places[g.a][k]} + places[g.b][k] - places[g.across][k];
+}
+
+std::int64_t guessed_texcoord(const OwnedMesh& mesh, const std::vector<TexcoordSteps>& values,
+                              std::size_t vertex, std::size_t k) {
   if (vertex == 0) return 0;
   const Guess& g = mesh.guess(vertex);
-  const auto of = [&](std::uint32_t v) {
-    if constexpr (std::is_same_v<T, Vec3i>)
-      return std::int64_t{values[v][k]};
-    else
-      return std::int64_t{values[v][static_cast<std::size_t>(k)]};
-  };
-  return of(g.a) + of(g.b) - of(g.across);
+  return std::int64_t{values[g.a][k]} + values[g.b][k] - values[g.across][k];
 }
 
 /// v as a T; false if it is none.
@@ -33,7 +35,7 @@ bool put_into(std::int64_t v, T& out) {
 
 /// Parallelograms are closer than the other guesses: their classes have planes of their own.
 std::size_t first_position_plane(const OwnedMesh& mesh, std::size_t vertex) {
-  return vertex > 0 && mesh.guess(vertex).is_parallelogram() ? 0 : 3;
+  return mesh.local(vertex) > 0 && mesh.position_guess(vertex).is_parallelogram() ? 0 : 3;
 }
 
 // ---- normals
@@ -43,7 +45,7 @@ using Normal = std::array<std::int64_t, 3>;
 
 /// A triangle's normal, as long as twice its area. It may wrap around where coordinates are nonsense; it does
 /// so everywhere alike.
-void add_normal(const Corners& t, const std::vector<Vec3i>& positions, std::vector<Normal>& sums) {
+void add_normal(const Corners& t, std::span<const Vec3i> positions, std::vector<Normal>& sums) {
   const auto difference = [](std::int32_t a, std::int32_t b) {
     return static_cast<std::uint64_t>(std::int64_t{a} - b);
   };
@@ -56,22 +58,10 @@ void add_normal(const Corners& t, const std::vector<Vec3i>& positions, std::vect
       sums[v][k] = static_cast<std::int64_t>(static_cast<std::uint64_t>(sums[v][k]) + n[k]);
 }
 
-/// Per owned vertex the sum of the normals of its triangles without survivors.
-std::vector<Normal> known_normals(const OwnedMesh& mesh, const Page& page) {
-  const auto& positions = page.owned.positions;
-  std::vector<Normal> sums(mesh.count(), Normal{});
-  // Whether a triangle's vertices are all owned cannot be predicted: some are gathered first, without a
-  // branch.
-  std::array<Corners, 256> owned;
-  for (std::size_t begin = 0; begin < page.triangles.size(); begin += owned.size() - 1) {
-    const std::size_t end = std::min(begin + owned.size() - 1, page.triangles.size());
-    std::size_t count = 0;
-    for (const Corners& t : std::span(page.triangles).subspan(begin, end - begin)) {
-      owned[count] = {mesh.number(t[0]), mesh.number(t[1]), mesh.number(t[2])};
-      count += std::max({owned[count][0], owned[count][1], owned[count][2]}) != nobody;
-    }
-    for (const Corners& t : std::span(owned).first(count)) add_normal(t, positions, sums);
-  }
+/// Per local vertex the sum of the normals of its triangles.
+std::vector<Normal> page_normals(const Page& page, std::span<const Vec3i> places) {
+  std::vector<Normal> sums(places.size(), Normal{});
+  for (const Corners& t : page.triangles) add_normal(t, places, sums);
   return sums;
 }
 
@@ -112,6 +102,17 @@ std::array<std::int64_t, 2> guessed_normal(const Normal& known, const VertexTabl
   return {owned.normals[vertex - 1][0], owned.normals[vertex - 1][1]};
 }
 
+/// A normal this near to its guess, in steps of the code, becomes the guess: 0.25° at most, as the code's own
+/// rounding.
+constexpr std::int64_t negligible_steps = 1;
+
+bool near_enough(const OctNormal& normal, const std::array<std::int64_t, 2>& guess) {
+  constexpr int no_normal = -one - 1;
+  if (normal[0] == no_normal || normal[1] == no_normal) return false;
+  return std::abs(normal[0] - guess[0]) <= negligible_steps &&
+         std::abs(normal[1] - guess[1]) <= negligible_steps;
+}
+
 /// A colour's channels less what they are guessed from: green, and red and blue by how they differ from it.
 using Channels = std::array<std::uint8_t, 4>;
 
@@ -129,24 +130,25 @@ Channels guessed_colour(const OwnedMesh& mesh, const std::vector<Rgba8>& colours
 // ---- there
 // --------------------------------------------------------------------------------------------------
 
-std::vector<Plane> pack_positions(const OwnedMesh& mesh, const std::vector<Vec3i>& positions) {
+std::vector<Plane> pack_positions(const OwnedMesh& mesh, std::span<const Vec3i> places) {
   NumberWriter numbers(position_planes - 1);
-  for (std::size_t v = 0; v < positions.size(); ++v) {
+  for (std::size_t v = 0; v < mesh.count(); ++v) {
     const std::size_t plane = first_position_plane(mesh, v);
     for (int k = 0; k < 3; ++k)
       numbers.put_signed(plane + static_cast<std::size_t>(k),
-                         positions[v][k] - guessed(mesh, positions, v, k));
+                         places[mesh.local(v)][k] - guessed_place(mesh, places, v, k));
   }
   return numbers.take();
 }
 
-std::vector<Plane> pack_normals(const OwnedMesh& mesh, const Page& page) {
+std::vector<Plane> pack_normals(const OwnedMesh& mesh, std::span<const Vec3i> places, const Page& page) {
   NumberWriter numbers(normal_planes - 1);
   const VertexTable& owned = page.owned;
-  const auto known = owned.normals.empty() ? std::vector<Normal>{} : known_normals(mesh, page);
+  const auto known = owned.normals.empty() ? std::vector<Normal>{} : page_normals(page, places);
   for (std::size_t v = 0; v < owned.normals.size(); ++v) {
-    const auto guess = guessed_normal(known[v], owned, v);
-    for (std::size_t k = 0; k < 2; ++k) numbers.put_signed(k, owned.normals[v][k] - guess[k]);
+    const auto guess = guessed_normal(known[mesh.local(v)], owned, v);
+    const bool is_close = near_enough(owned.normals[v], guess);
+    for (std::size_t k = 0; k < 2; ++k) numbers.put_signed(k, is_close ? 0 : owned.normals[v][k] - guess[k]);
   }
   return numbers.take();
 }
@@ -164,39 +166,38 @@ std::vector<Plane> pack_colours(const OwnedMesh& mesh, const std::vector<Rgba8>&
   return planes;
 }
 
-std::vector<Plane> pack_texcoords(const OwnedMesh& mesh,
-                                  const std::vector<std::array<std::int32_t, 2>>& texcoords) {
+std::vector<Plane> pack_texcoords(const OwnedMesh& mesh, const std::vector<TexcoordSteps>& texcoords) {
   NumberWriter numbers(texcoord_planes - 1);
   for (std::size_t v = 0; v < texcoords.size(); ++v)
-    for (int k = 0; k < 2; ++k)
-      numbers.put_signed(static_cast<std::size_t>(k),
-                         texcoords[v][static_cast<std::size_t>(k)] - guessed(mesh, texcoords, v, k));
+    for (std::size_t k = 0; k < 2; ++k)
+      numbers.put_signed(k, texcoords[v][k] - guessed_texcoord(mesh, texcoords, v, k));
   return numbers.take();
 }
 
 // ---- and back
 // -----------------------------------------------------------------------------------------------
 
-bool unpack_positions(std::span<const Plane> planes, const OwnedMesh& mesh, std::vector<Vec3i>& positions) {
+bool unpack_positions(std::span<const Plane> planes, const OwnedMesh& mesh, std::span<Vec3i> places) {
   NumberReader numbers(planes);
-  positions.resize(mesh.count());
-  for (std::size_t v = 0; v < positions.size(); ++v) {
+  for (std::size_t v = 0; v < mesh.count(); ++v) {
     const std::size_t plane = first_position_plane(mesh, v);
     for (int k = 0; k < 3; ++k)
-      if (!put_into(guessed(mesh, positions, v, k) + numbers.get_signed(plane + static_cast<std::size_t>(k)),
-                    positions[v][k]))
+      if (!put_into(
+              guessed_place(mesh, places, v, k) + numbers.get_signed(plane + static_cast<std::size_t>(k)),
+              places[mesh.local(v)][k]))
         return false;
   }
   return numbers.at_end();
 }
 
-bool unpack_normals(std::span<const Plane> planes, const OwnedMesh& mesh, Page& page) {
+bool unpack_normals(std::span<const Plane> planes, const OwnedMesh& mesh, std::span<const Vec3i> places,
+                    Page& page) {
   NumberReader numbers(planes);
   VertexTable& owned = page.owned;
-  const auto known = known_normals(mesh, page);
+  const auto known = page_normals(page, places);
   owned.normals.resize(mesh.count());
   for (std::size_t v = 0; v < owned.normals.size(); ++v) {
-    const auto guess = guessed_normal(known[v], owned, v);
+    const auto guess = guessed_normal(known[mesh.local(v)], owned, v);
     for (std::size_t k = 0; k < 2; ++k)
       if (!put_into(guess[k] + numbers.get_signed(k), owned.normals[v][k])) return false;
   }
@@ -220,13 +221,12 @@ bool unpack_colours(std::span<const Plane> planes, const OwnedMesh& mesh, std::v
 }
 
 bool unpack_texcoords(std::span<const Plane> planes, const OwnedMesh& mesh,
-                      std::vector<std::array<std::int32_t, 2>>& texcoords) {
+                      std::vector<TexcoordSteps>& texcoords) {
   NumberReader numbers(planes);
   texcoords.resize(mesh.count());
   for (std::size_t v = 0; v < texcoords.size(); ++v)
-    for (int k = 0; k < 2; ++k)
-      if (!put_into(guessed(mesh, texcoords, v, k) + numbers.get_signed(static_cast<std::size_t>(k)),
-                    texcoords[v][static_cast<std::size_t>(k)]))
+    for (std::size_t k = 0; k < 2; ++k)
+      if (!put_into(guessed_texcoord(mesh, texcoords, v, k) + numbers.get_signed(k), texcoords[v][k]))
         return false;
   return numbers.at_end();
 }

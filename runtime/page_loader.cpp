@@ -20,7 +20,12 @@ namespace {
 
 Result<std::unique_ptr<ResidentPage>> read_and_replay(const CuestaFile& file, GeometryPool& pool,
                                                       const PageRequest& r) {
-  const auto page = file.shared_page(r.id);
+  SurvivorPlaces survivors(file.directory().pages[r.id]);
+  for (const ResidentPage* page : r.coarser) page->place_survivors(r.id, survivors);
+  if (survivors.missing())
+    return fail(ErrorCode::corrupt, file.path().string(), "page " + std::to_string(r.id),
+                "a surviving vertex is in none of the coarser pages");
+  const auto page = file.shared_page(r.id, survivors.places());
   if (!page) return fail(page.error());
   auto resident = ResidentPage::create(r.id, **page, r.coarser, pool, r.run, r.blocks);
   if (!resident) resident.error().file = file.path().string();

@@ -165,18 +165,12 @@ class PageReplay {
     return out;
   }
 
-  const ResidentPage::SourceTable* table_in(const ResidentPage& coarser) const {
-    for (const auto& s : coarser.sources_)
-      if (s.page == out_.id_) return &s;
-    return nullptr;
-  }
-
   bool resolve_vertices(std::span<const ResidentPage* const> coarser) {
     std::vector<std::uint32_t> survivors;
     for (std::uint32_t v = 0; v < page_.vertex_count; ++v)
       if (!owned_[v]) survivors.push_back(v);
     for (const ResidentPage* q : coarser) {
-      const auto* table = table_in(*q);
+      const auto* table = q->source(out_.id_);
       if (!table) return false;
       for (std::size_t i = 0; i < table->vertices.size(); ++i) {
         if (table->vertices[i] >= survivors.size()) return false;
@@ -208,7 +202,7 @@ class PageReplay {
       if (!page_.base && alive_[t]) survivors.push_back(t);
     std::size_t resolved = 0;
     for (const ResidentPage* q : coarser) {
-      const auto* table = table_in(*q);
+      const auto* table = q->source(out_.id_);
       for (std::size_t i = 0; i < table->triangles.size(); ++i, ++resolved) {
         const std::size_t local = table->first_triangle + i;
         if (table->triangles[i] >= survivors.size() || local >= q->triangle_ref_.size()) return false;

@@ -6,6 +6,20 @@
 
 namespace cuesta {
 
+const ResidentPage::SourceTable* ResidentPage::source(PageId finer) const {
+  for (const SourceTable& s : sources_)
+    if (s.page == finer) return &s;
+  return nullptr;
+}
+
+void ResidentPage::place_survivors(PageId finer, SurvivorPlaces& places) const {
+  if (const SourceTable* s = source(finer))
+    places.add(s->vertices, s->local_vertices, [this](std::uint32_t v) {
+      const DrawVertex& at = pool_.vertex(vertex_slot_[v]);
+      return Vec3i{at.x, at.y, at.z};
+    });
+}
+
 void ResidentPage::apply_next(FanState& f) {
   CUESTA_CHECK(f.applied < f.child_count);
   do {

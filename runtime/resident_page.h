@@ -9,6 +9,7 @@
 
 #include "hierarchy/directory.h"
 #include "hierarchy/page.h"
+#include "hierarchy/survivor_places.h"
 #include "ooc/result.h"
 #include "runtime/active_nodes.h"
 #include "runtime/geometry_pool.h"
@@ -54,6 +55,8 @@ class ResidentPage {
   ResidentPage& operator=(const ResidentPage&) = delete;
 
   PageId id() const { return id_; }
+  /// Adds what a finer page needs to be decoded. Any thread may call it, as create().
+  void place_survivors(PageId finer, SurvivorPlaces& places) const;
   GeometryPool::RunId run() const { return run_; }
   std::span<const FanState> fans() const { return fans_; }
   const Sphere& sphere(std::size_t fan) const { return spheres_[fan]; }
@@ -106,6 +109,7 @@ class ResidentPage {
     std::uint32_t first_triangle;
     std::vector<std::uint32_t> triangles, vertices, local_vertices;
   };
+  const SourceTable* source(PageId finer) const;
 
   PageId id_;
   GeometryPool& pool_;

@@ -7,15 +7,30 @@
 namespace cuesta {
 namespace {
 
-/// From the postings beside it, those that there are; up where they make none.
+/// Of the triangles that LatticePatch makes around a posting, weighted by area; up where there are none.
 Vec3f normal_at(const PostingWindow& window, std::int64_t x, std::int64_t y, Vec3d up) {
-  const Vec3d centre = window.positions_m[window.index(x, y)];
-  const auto at = [&](std::int64_t dx, std::int64_t dy) {
-    const std::size_t i = window.index(x + dx, y + dy);
-    return window.has_height[i] ? window.positions_m[i] : centre;
+  struct Offset {
+    std::int64_t x, y;
   };
-  const Vec3d n = cross(at(1, 0) - at(-1, 0), at(0, -1) - at(0, 1));
-  return vec_cast<float>(normalized(dot(n, n) > 0 ? n : up));
+  constexpr Offset east{1, 0}, north{0, -1}, west{-1, 0}, south{0, 1};
+  constexpr std::array<std::array<Offset, 3>, 4> quarters{
+      {{east, {1, -1}, north}, {north, {-1, -1}, west}, {west, {-1, 1}, south}, {south, {1, 1}, east}}};
+  const Vec3d centre = window.positions_m[window.index(x, y)];
+  Vec3d sum;
+  for (std::size_t q = 0; q < quarters.size(); ++q) {
+    std::array<std::size_t, 3> at{};
+    for (std::size_t k = 0; k < 3; ++k) at[k] = window.index(x + quarters[q][k].x, y + quarters[q][k].y);
+    // Diagonals run from the north-east to the south-west.
+    const bool diagonal_here = q % 2 == 0 || !window.has_height[at[0]] || !window.has_height[at[2]];
+    const Vec3d* before = nullptr;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!window.has_height[at[k]] || (k == 1 && !diagonal_here)) continue;
+      const Vec3d& next = window.positions_m[at[k]];
+      if (before) sum = sum + cross(*before - centre, next - centre);
+      before = &next;
+    }
+  }
+  return vec_cast<float>(normalized(dot(sum, sum) > 0 ? sum : up));
 }
 
 }  // namespace
@@ -133,9 +148,13 @@ Result<void> TerrainChunk::add(const Vertex& v, SurfaceChunk& out) const {
   out.ids.push_back(v.id);
   out.locked.push_back(is_locked(v));
   out.vertices.positions.push_back(position);
-  if (surface_.attributes.normals)
-    out.vertices.normals.push_back(encode_oct(
-        normal_at(*window, x, y, surface_.vertical->direction(vec_cast<double>(position))), normal_bits));
+  if (surface_.attributes.normals) {
+    const PostingRef at = v.elsewhere ? *v.elsewhere : place(v.at);
+    const Vec3d up = surface_.vertical->direction(vec_cast<double>(position));
+    const Vec3f normal =
+        surface_.is_pole(at.layer, at.row) ? vec_cast<float>(up) : normal_at(*window, x, y, up);
+    out.vertices.normals.push_back(encode_oct(normal, normal_bits));
+  }
   return {};
 }
 

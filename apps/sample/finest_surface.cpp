@@ -114,15 +114,15 @@ Result<const FinestSurface::Loaded*> FinestSurface::load(PageId id) {
     loaded_.splice(loaded_.begin(), loaded_, at);
     return &loaded_.front();
   }
-  auto page = file_.read_page(id);
-  if (!page) return fail(page.error());
-  auto known = positions_.of(id);
-  if (!known)
+  const auto survivors = positions_.survivors(id);
+  if (!survivors)
     return fail(ErrorCode::corrupt, file_.path().string(), "page " + std::to_string(id),
                 positions_.complaint().empty() ? "a page that it leans on cannot be read; run cuesta verify"
                                                : positions_.complaint());
+  auto page = file_.read_page(id, *survivors);
+  if (!page) return fail(page.error());
   ++pages_read_;
-  loaded_.push_front({id, std::move(page->triangles), std::move(known)});
+  loaded_.push_front({id, std::move(page->triangles), local_positions(*page)});
   if (loaded_.size() > most_pages) loaded_.pop_back();
   return &loaded_.front();
 }
@@ -138,7 +138,7 @@ Result<std::optional<Vec3d>> FinestSurface::meet(Vec3d from, Vec3d to) {
     if (!line.may_meet(file_.directory().pages[id].bound, slack)) continue;
     const auto page = load(id);
     if (!page) return fail(page.error());
-    const auto& positions = (*page)->known->positions;
+    const auto& positions = (*page)->positions;
     for (const auto& t : (*page)->triangles)
       best.look(line, {vec_cast<double>(positions[t[0]]), vec_cast<double>(positions[t[1]]),
                        vec_cast<double>(positions[t[2]])});

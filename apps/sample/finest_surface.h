@@ -39,7 +39,7 @@ class FinestSurface {
   struct Loaded {
     PageId id;
     std::vector<std::array<std::uint32_t, 3>> triangles;
-    std::shared_ptr<const PagePositions::Known> known;
+    std::vector<Vec3i> positions;
   };
   Result<const Loaded*> load(PageId id);
 

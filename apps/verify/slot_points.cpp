@@ -2,17 +2,22 @@
 
 #include <algorithm>
 #include <numeric>
+#include <string>
+
+#include "hierarchy/page_positions.h"
 
 namespace cuesta::verify {
 namespace {
 
 constexpr std::uint32_t unknown = 0xFFFFFFFFu;
+constexpr std::uint64_t position_bytes = std::uint64_t{64} << 20;
 
 class SlotFinder {
  public:
   SlotFinder(const CuestaFile& file, PageCache& cache, std::size_t slots)
       : file_(file),
         cache_(cache),
+        positions_(file, position_bytes),
         point_(slots),
         slots_(file.directory().pages.size()),
         sources_(slots_.size()) {
@@ -22,7 +27,7 @@ class SlotFinder {
   /// Coarser pages come last and are needed first.
   Result<std::vector<std::uint32_t>> run() {
     for (PageId id = static_cast<PageId>(slots_.size()); id-- > 0;) {
-      auto page = file_.read_page(id);
+      auto page = read(id);
       if (!page) return fail(page.error());
       find_slots(id, *page);
       for (std::uint32_t v : page->wedge_tails) join(slots_[id][v - 1], slots_[id][v]);
@@ -33,6 +38,13 @@ class SlotFinder {
   }
 
  private:
+  Result<Page> read(PageId id) {
+    const auto survivors = positions_.survivors(id);
+    if (survivors) return file_.read_page(id, *survivors);
+    return fail(ErrorCode::corrupt, file_.path().string(), "page " + std::to_string(id),
+                positions_.complaint());
+  }
+
   void find_slots(PageId id, const Page& page) {
     auto& slots = slots_[id];
     slots.assign(page.vertex_count, unknown);
@@ -71,6 +83,7 @@ class SlotFinder {
 
   const CuestaFile& file_;
   PageCache& cache_;
+  PagePositions positions_;
   std::vector<std::uint32_t> point_;
   std::vector<std::vector<std::uint32_t>> slots_;  // per page and local vertex
   std::vector<std::vector<PageSource>> sources_;

@@ -109,7 +109,7 @@ TEST(PackedVertices, of_any_values) {
   }
   page.owned.positions[20] = {INT32_MIN, INT32_MAX, 0};
   page.owned.positions[21] = {INT32_MAX, INT32_MIN, INT32_MIN};
-  const auto again = decode_page(encode_page(page));
+  const auto again = decode_page(encode_page(page), {});
   ASSERT_TRUE(again) << again.error().text();
   EXPECT_EQ(again->owned.positions, page.owned.positions);
   EXPECT_EQ(again->owned.normals, page.owned.normals);

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "hierarchy/page_codec.h"
+#include "hierarchy/page_positions.h"
 #include "tests/hierarchy/built_file.h"
 
 namespace cuesta::test {
@@ -18,7 +19,9 @@ inline Contents contents_of(const std::filesystem::path& path) {
   const auto file = CuestaFile::open(path);
   if (!file) return out;
   out.directory = file->directory();
-  for (PageId id = 0; id < out.directory.pages.size(); ++id) out.pages.push_back(file->read_page(id).value());
+  PagePositions positions(*file, std::uint64_t{1} << 30);
+  for (PageId id = 0; id < out.directory.pages.size(); ++id)
+    out.pages.push_back(file->read_page(id, positions.survivors(id).value()).value());
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "hierarchy/build_scene.h"
+#include "hierarchy/page_positions.h"
 #include "hierarchy/scene_file.h"
 #include "hierarchy/scene_tom.h"
 #include "hierarchy/verify_file.h"
@@ -203,7 +204,7 @@ TEST_F(SceneBuild, a_prefix_is_a_scene_with_less_detail) {
     }
     EXPECT_EQ(has_all, n >= report_.coarsest_bytes) << n;
     had_all |= has_all;
-    if (has_all) EXPECT_TRUE(file->open_surface(2)->read_page(file->open_surface(2)->directory().base()));
+    if (has_all) EXPECT_TRUE(file->open_surface(2)->read_page(file->open_surface(2)->directory().base(), {}));
   }
   EXPECT_TRUE(had_all);
 }
@@ -225,9 +226,13 @@ TEST_F(SceneBuild, damaged_bytes_are_errors) {
         const auto tom = read_tom(*file, p, static_cast<std::uint32_t>(file->parts()[p].segments.size()));
         EXPECT_TRUE(tom || tom.error().code == ErrorCode::corrupt);
       } else if (const auto surface = file->open_surface(p)) {
-        for (PageId id = 0; id < surface->directory().pages.size(); ++id)
-          if (const auto page = surface->read_page(id); !page)
+        PagePositions positions(*surface, std::uint64_t{1} << 26);
+        for (PageId id = 0; id < surface->directory().pages.size(); ++id) {
+          const auto survivors = positions.survivors(id);
+          if (!survivors) continue;
+          if (const auto page = surface->read_page(id, *survivors); !page)
             EXPECT_NE(page.error().place.find("part 2, page"), std::string::npos);
+        }
       }
     }
   }

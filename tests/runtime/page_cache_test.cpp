@@ -111,10 +111,12 @@ TEST(PageCache, a_script_that_explodes_is_refused) {
     vertex = target;
   }
   page.owned.positions.resize(page.vertex_count);
+  const auto decoded = decode_page(encode_page(page), {});
+  ASSERT_FALSE(decoded);
+  EXPECT_EQ(decoded.error().code, ErrorCode::corrupt);
   GeometryPool pool({1000, 10}, false);
   const auto run = pool.add(page.vertex_count, triangles);
-  const auto resident =
-      ResidentPage::create(0, decode_page(encode_page(page)).value(), {}, pool, run, pool.run(run));
+  const auto resident = ResidentPage::create(0, page, {}, pool, run, pool.run(run));
   ASSERT_FALSE(resident);
   EXPECT_EQ(resident.error().code, ErrorCode::corrupt);
 }
