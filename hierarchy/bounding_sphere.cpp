@@ -61,8 +61,7 @@ struct Farthest {
 
 // The loops become vector instructions. Distances are not negative, so their bits are in their order, and
 // integers have a maximum that does not depend on the order of evaluation.
-CUESTA_VECTOR_CLONES
-Farthest farthest(const Balls& balls, Vec3f c) {
+[[gnu::always_inline]] inline Farthest farthest(const Balls& balls, Vec3f c) {
   const float* __restrict x = balls.x;
   const float* __restrict y = balls.y;
   const float* __restrict z = balls.z;
@@ -81,7 +80,7 @@ Farthest farthest(const Balls& balls, Vec3f c) {
 }
 
 /// Midpoint of the two balls' far ends, starting from the ball farthest from the first one.
-Vec3f first_guess(const Balls& balls) {
+[[gnu::always_inline]] inline Vec3f first_guess(const Balls& balls) {
   const Sphere a = balls[farthest(balls, balls[0].centre).index];
   const Sphere b = balls[farthest(balls, a.centre).index];
   const float d = length(b.centre - a.centre);
@@ -90,6 +89,7 @@ Vec3f first_guess(const Balls& balls) {
   return a.centre + (b.centre - a.centre) * ((d + b.radius - a.radius) / (2 * d));
 }
 
+CUESTA_VECTOR_CLONES
 Vec3f near_minimal_centre(const Balls& balls) {
   Vec3f c = first_guess(balls);
   Vec3f best = c;

@@ -1,7 +1,7 @@
 #include "hierarchy/fan_cover.h"
 
 #include <algorithm>
-#include <iterator>
+#include <array>
 #include <utility>
 
 #include "hierarchy/bounding_sphere.h"
@@ -17,67 +17,83 @@ constexpr std::size_t most_looks(std::size_t triangles) {
   return std::max(std::size_t{1} << 24, triangles * 256);
 }
 
-/// Replays a script, fan by fan.
+/// Replays a script, fan by fan. What one look needs of a triangle, or of a vertex, is in half a cache line.
 class FanCover {
  public:
   FanCover(const CoveredMesh& mesh, std::vector<std::uint32_t>& changed, const FanSphere& sphere)
-      : mesh_(mesh),
+      : births_(mesh.births),
         sphere_(sphere),
-        corners_(mesh.triangles.begin(), mesh.triangles.end()),
-        first_corner_(mesh.positions.size(), nobody),
-        last_corner_(mesh.positions.size(), nobody),
-        next_corner_(mesh.triangles.size() * 3, nobody),
-        alive_(mesh.triangles.size(), 1),
-        seen_triangle_(mesh.triangles.size(), 0),
-        covered_by_(mesh.positions.size(), nobody),
+        vertices_(mesh.positions.size()),
+        triangles_(mesh.triangles.size()),
         changed_by_(changed),
         looks_left_(most_looks(mesh.triangles.size())) {
-    changed_by_.assign(corners_.size(), no_fan);
-    for (std::uint32_t t = 0; t < corners_.size(); ++t)
-      for (std::uint32_t k = 0; k < 3; ++k) append(corners_[t][k], t * 3 + k);
+    for (std::uint32_t v = 0; v < vertices_.size(); ++v)
+      vertices_[v] = {mesh.first_wedge[v], nobody, nobody, no_fan, vec_cast<float>(mesh.positions[v])};
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+      triangles_[t] = {mesh.triangles[t], {nobody, nobody, nobody}, no_fan, 0};
+      for (std::uint32_t k = 0; k < 3; ++k) append(mesh.triangles[t][k], t * 3 + k);
+    }
   }
 
-  bool run(Script& script) {
+  bool run(Script& script, std::span<const Vec3i> positions) {
     spheres_.reserve(script.fans.size());
+    ball_in_.assign(script.fans.size(), no_fan);
     for (fan_ = 0; fan_ < script.fans.size(); ++fan_) {
       Fan& fan = script.fans[fan_];
       guards_ = fan_ >= script.strict_fans;
       balls_.clear();
-      born_balls_.clear();
+      birth_balls_.clear();
       changed_.clear();
       const auto children = std::span(script.children).subspan(fan.first_child, fan.child_count);
       for (std::size_t i = 0, end = 0; i < children.size(); i = end) {
         for (end = i + 1; end < children.size() && children[end].joined;) ++end;
         if (!substitute(children.subspan(i, end - i))) return false;
       }
-      const Vec3i centre = mesh_.positions[fan.centre];
+      const Vec3i centre = positions[fan.centre];
       const SphereCode follows = balls_.empty() ? SphereCode{} : enclose(balls_, centre);
       fan.sphere = sphere_ ? sphere_(fan_, follows) : follows;
       spheres_.push_back(decode_sphere(fan.sphere, centre));
-      for (const std::uint32_t t : changed_) changed_by_[t] = fan_;
+      for (const std::uint32_t t : changed_) triangles_[t].changed_by = fan_;
     }
+    changed_by_.clear();
+    for (const TriangleState& t : triangles_) changed_by_.push_back(t.changed_by);
     return true;
   }
 
  private:
-  void append(std::uint32_t v, std::uint32_t corner) {
-    next_corner_[corner] = nobody;
-    (first_corner_[v] == nobody ? first_corner_[v] : next_corner_[last_corner_[v]]) = corner;
-    last_corner_[v] = corner;
-  }
+  static constexpr std::uint32_t gone = ~std::uint32_t{0};
 
-  std::uint32_t point(std::uint32_t v) const { return mesh_.first_wedge[v]; }
-  bool has_point(std::uint32_t t, std::uint32_t p) const {
-    return std::any_of(corners_[t].begin(), corners_[t].end(),
-                       [&](std::uint32_t v) { return point(v) == p; });
+  struct TriangleState {
+    std::array<std::uint32_t, 3> corners;
+    std::array<std::uint32_t, 3> next;  // corner in the list of its vertex; corner k of triangle t is 3 t + k
+    std::uint32_t changed_by;           // the last fan
+    std::uint32_t seen;                 // in this substitution; or gone
+  };
+  struct VertexState {
+    std::uint32_t point;         // first of its wedge group
+    std::uint32_t first, last;   // of its corners
+    std::uint32_t covered_by;    // a point: the last fan
+    Vec3f position;
+  };
+
+  void append(std::uint32_t v, std::uint32_t corner) {
+    VertexState& at = vertices_[v];
+    next(corner) = nobody;
+    (at.first == nobody ? at.first : next(at.last)) = corner;
+    at.last = corner;
   }
+  std::uint32_t& next(std::uint32_t corner) { return triangles_[corner / 3].next[corner % 3]; }
+  std::uint32_t point(std::uint32_t v) const { return vertices_[v].point; }
+  bool lives(std::uint32_t t) const { return triangles_[t].seen != gone; }
 
   /// Live triangles around a point that have not been seen in this substitution, to the end of `out`.
   void gather(std::uint32_t p, std::vector<std::uint32_t>& out) {
-    for (std::uint32_t v = p; v < mesh_.first_wedge.size() && point(v) == p; ++v)
-      for (std::uint32_t c = first_corner_[v]; c != nobody && looks_left_ > 0;
-           c = next_corner_[c], --looks_left_)
-        if (alive_[c / 3] && std::exchange(seen_triangle_[c / 3], stamp_) != stamp_) out.push_back(c / 3);
+    for (std::uint32_t v = p; v < vertices_.size() && point(v) == p; ++v)
+      for (std::uint32_t c = vertices_[v].first; c != nobody && looks_left_ > 0; --looks_left_) {
+        TriangleState& t = triangles_[c / 3];
+        if (t.seen != gone && std::exchange(t.seen, stamp_) != stamp_) out.push_back(c / 3);
+        c = t.next[c % 3];
+      }
   }
 
   /// One substitution: the wedges of a point, or all vertices of a component.
@@ -88,88 +104,103 @@ class FanCover {
     std::uint32_t before = nobody;
     for (const Child& c : run)
       if (const std::uint32_t p = point(c.vertex); p != std::exchange(before, p)) gather(p, patch_);
-    const auto around_it = static_cast<std::ptrdiff_t>(patch_.size());
+    const std::size_t around_it = patch_.size();
     if (guards_) gather_guarded(target);
     for (const std::uint32_t t : patch_) cover(t);
     for (const Child& c : run) move(c);
-    const auto lives = [this](std::uint32_t t) { return alive_[t] != 0; };
-    std::copy_if(patch_.begin(), patch_.end(), std::back_inserter(changed_), lives);
-    if (std::none_of(patch_.begin(), patch_.begin() + around_it, lives)) {
-      ++stamp_;
-      const std::size_t first = changed_.size();
-      gather(target, changed_);
-      for (std::size_t i = first; i < changed_.size(); ++i) cover(changed_[i]);
+    bool some_left = false;
+    for (std::size_t i = 0; i < patch_.size(); ++i) {
+      if (!lives(patch_[i])) continue;
+      changed_.push_back(patch_[i]);
+      some_left |= i < around_it;
     }
+    if (!some_left) cover_around(target);
     return looks_left_ > 0;
   }
 
   /// Behind the patch: what is around the third corners of triangles that go.
   void gather_guarded(std::uint32_t target) {
-    const std::size_t patch_size = patch_.size();
-    for (std::size_t i = 0; i < patch_size; ++i) {
-      const std::uint32_t t = patch_[i];
-      if (!has_point(t, target)) continue;
-      for (const std::uint32_t v : corners_[t])
-        if (point(v) != target) gather(point(v), patch_);
+    const std::size_t around_it = patch_.size();
+    for (std::size_t i = 0; i < around_it; ++i) {
+      const auto corners = triangles_[patch_[i]].corners;
+      const auto is_target = [&](std::uint32_t v) { return point(v) == target; };
+      if (std::none_of(corners.begin(), corners.end(), is_target)) continue;
+      for (const std::uint32_t v : corners)
+        if (!is_target(v)) gather(point(v), patch_);
     }
   }
 
-  /// The triangle's corners and the ball it was born with; each once in a fan.
-  void cover(std::uint32_t t) {
-    if (const std::uint32_t fan = changed_by_[t]; fan != no_fan)
-      cover_ball(spheres_[fan]);
-    else if (!mesh_.births.empty() && mesh_.births[t].sphere.radius > 0)
-      cover_ball(mesh_.births[t].sphere);
-    for (const std::uint32_t v : corners_[t])
-      if (std::exchange(covered_by_[point(v)], fan_) != fan_)
-        balls_.push_back({vec_cast<float>(mesh_.positions[v]), 0});
+  /// What is left around the target stands for what went.
+  void cover_around(std::uint32_t target) {
+    ++stamp_;
+    const std::size_t first = changed_.size();
+    gather(target, changed_);
+    for (std::size_t i = first; i < changed_.size(); ++i) cover(changed_[i]);
   }
 
-  void cover_ball(const Sphere& ball) {
-    const bool known = std::any_of(born_balls_.rbegin(), born_balls_.rend(), [&](std::uint32_t i) {
-      return balls_[i].radius == ball.radius && balls_[i].centre == ball.centre;
+  /// The ball that the triangle was born with and its corners; each once in a fan.
+  void cover(std::uint32_t t) {
+    const TriangleState& triangle = triangles_[t];
+    if (triangle.changed_by != no_fan) {
+      if (std::exchange(ball_in_[triangle.changed_by], fan_) != fan_)
+        balls_.push_back(spheres_[triangle.changed_by]);
+    } else if (!births_.empty() && births_[t].sphere.radius > 0) {
+      cover_birth(births_[t].sphere);
+    }
+    for (const std::uint32_t v : triangle.corners) {
+      VertexState& at = vertices_[point(v)];
+      if (std::exchange(at.covered_by, fan_) != fan_) balls_.push_back({at.position, 0});
+    }
+  }
+
+  void cover_birth(const Sphere& ball) {
+    const bool known = std::any_of(birth_balls_.rbegin(), birth_balls_.rend(), [&](const Sphere& b) {
+      return b.radius == ball.radius && b.centre == ball.centre;
     });
     if (known) return;
-    born_balls_.push_back(static_cast<std::uint32_t>(balls_.size()));
+    birth_balls_.push_back(ball);
     balls_.push_back(ball);
   }
 
   void move(const Child& child) {
-    for (std::uint32_t corner = std::exchange(first_corner_[child.vertex], nobody); corner != nobody;) {
-      const std::uint32_t t = corner / 3, following = next_corner_[corner];
-      if (alive_[t]) {
-        auto& c = corners_[t];
-        alive_[t] = c[0] != child.target && c[1] != child.target && c[2] != child.target;
-        c[corner % 3] = child.target;
-        if (alive_[t]) append(child.target, corner);
+    for (std::uint32_t corner = std::exchange(vertices_[child.vertex].first, nobody); corner != nobody;) {
+      TriangleState& t = triangles_[corner / 3];
+      const std::uint32_t following = t.next[corner % 3];
+      if (t.seen != gone) {
+        auto& c = t.corners;
+        if (c[0] == child.target || c[1] == child.target || c[2] == child.target) {
+          t.seen = gone;
+        } else {
+          c[corner % 3] = child.target;
+          append(child.target, corner);
+        }
       }
       corner = following;
     }
   }
 
-  CoveredMesh mesh_;
+  std::span<const Birth> births_;
   const FanSphere& sphere_;
-  std::vector<std::array<std::uint32_t, 3>> corners_;
-  std::vector<std::uint32_t> first_corner_, last_corner_, next_corner_;  // lists of corners, per vertex
-  std::vector<std::uint8_t> alive_;
-  std::vector<std::uint32_t> seen_triangle_;
-  std::uint32_t stamp_ = 0;
-  std::vector<std::uint32_t> covered_by_;  // per point: the last fan
+  std::vector<VertexState> vertices_;
+  std::vector<TriangleState> triangles_;
   std::vector<std::uint32_t>& changed_by_;
   std::size_t looks_left_;
+  std::uint32_t stamp_ = 0;
+  std::vector<Sphere> spheres_;         // of the fans before
+  std::vector<std::uint32_t> ball_in_;  // per fan: the last fan that has its sphere among its balls
 
   // Of the fan that is being made, and of its substitution.
   std::uint32_t fan_ = 0;
   bool guards_ = false;
-  std::vector<Sphere> balls_, spheres_;
-  std::vector<std::uint32_t> born_balls_, changed_, patch_;
+  std::vector<Sphere> balls_, birth_balls_;
+  std::vector<std::uint32_t> changed_, patch_;
 };
 
 }  // namespace
 
 bool cover_fans(const CoveredMesh& mesh, Script& script, std::vector<std::uint32_t>& changed,
                 const FanSphere& sphere) {
-  return FanCover(mesh, changed, sphere).run(script);
+  return FanCover(mesh, changed, sphere).run(script, mesh.positions);
 }
 
 }  // namespace cuesta
