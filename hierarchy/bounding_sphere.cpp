@@ -11,7 +11,7 @@
 namespace cuesta {
 namespace {
 
-constexpr int centre_steps = 8;
+constexpr int centre_steps = 3;  // 8: radii 0.5 % smaller, half as much time again for a page
 
 /// Balls in structure-of-arrays form, filled up with the first one to whole vectors.
 constexpr std::size_t lanes = 8;
