@@ -199,12 +199,18 @@ TEST_F(SceneBuild, a_prefix_is_a_scene_with_less_detail) {
       const std::uint32_t segments = file->available_segments(p);
       has_all &= segments > 0;
       if (!file->parts()[p].is_tom()) continue;
-      if (segments > 0) EXPECT_TRUE(read_tom(*file, p, segments));
-      if (segments < file->parts()[p].segments.size()) EXPECT_FALSE(file->read_segment(p, segments));
+      if (segments > 0) {
+        EXPECT_TRUE(read_tom(*file, p, segments));
+      }
+      if (segments < file->parts()[p].segments.size()) {
+        EXPECT_FALSE(file->read_segment(p, segments));
+      }
     }
     EXPECT_EQ(has_all, n >= report_.coarsest_bytes) << n;
     had_all |= has_all;
-    if (has_all) EXPECT_TRUE(file->open_surface(2)->read_page(file->open_surface(2)->directory().base(), {}));
+    if (has_all) {
+      EXPECT_TRUE(file->open_surface(2)->read_page(file->open_surface(2)->directory().base(), {}));
+    }
   }
   EXPECT_TRUE(had_all);
 }
@@ -219,7 +225,9 @@ TEST_F(SceneBuild, damaged_bytes_are_errors) {
     bad[at] = static_cast<char>(bad[at] ^ (1 << (i % 8)));
     put_bytes(folder_ / "bad.cuesta", bad);
     const auto file = SceneFile::open(folder_ / "bad.cuesta");
-    if (at < 64) EXPECT_FALSE(file) << at;
+    if (at < 64) {
+      EXPECT_FALSE(file) << at;
+    }
     if (!file) continue;
     for (std::uint32_t p = 0; p < file->parts().size(); ++p) {
       if (file->parts()[p].is_tom()) {
