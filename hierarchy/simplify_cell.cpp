@@ -381,11 +381,13 @@ SimplifyResult simplify_cell(CellMesh cell, const SimplifyOptions& options) {
   SimplifyResult result = FanMerger(std::move(cell), options).run();
   std::vector<std::uint32_t> changed;
   CUESTA_CHECK(cover_fans({positions, first_wedge, triangles, births}, result.script, changed));
+  const auto sphere_of = [&](std::uint32_t t) {
+    if (changed[t] == no_fan) return births[t].sphere;
+    const Fan& fan = result.script.fans[changed[t]];
+    return decode_sphere(fan.sphere, positions[fan.centre]);
+  };
   for (std::size_t i = 0; i < result.survivors.triangles.size(); ++i)
-    if (const std::uint32_t f = changed[result.survivors.triangles[i]]; f != no_fan) {
-      const Fan& fan = result.script.fans[f];
-      result.survivors.births[i].sphere = decode_sphere(fan.sphere, positions[fan.centre]);
-    }
+    result.survivors.births[i].sphere = sphere_of(result.survivors.triangles[i]);
   return result;
 }
 

@@ -20,7 +20,9 @@ constexpr float border_weight = 2.0f;
 
 }  // namespace
 
-SubstitutionKernel::SubstitutionKernel(CellMesh cell) : births_(std::move(cell.births)) {
+SubstitutionKernel::SubstitutionKernel(CellMesh cell) {
+  birth_errors_.reserve(cell.births.size());
+  for (const Birth& b : cell.births) birth_errors_.push_back(b.error);
   const std::size_t vertices = cell.positions.size();
   std::vector<PointId> point_of(vertices);
   Vec3i lo{std::numeric_limits<std::int32_t>::max(), std::numeric_limits<std::int32_t>::max(),
@@ -485,7 +487,7 @@ float SubstitutionKernel::worst_bound() const {
 float SubstitutionKernel::birth_error() const {
   float error = 0;
   for (const auto* triangles : {&patch_, targets_apart_ ? &targets_ : &guarded_, &guarded_})
-    for (TriangleId t : *triangles) error = std::max(error, births_[t].error);
+    for (TriangleId t : *triangles) error = std::max(error, birth_errors_[t]);
   return error;
 }
 
@@ -616,7 +618,7 @@ void SubstitutionKernel::absorb(std::span<const PointId> members, PointId v, Err
 }
 
 void SubstitutionKernel::rebirth(std::span<const TriangleId> changed, float error) {
-  for (TriangleId t : changed) births_[t].error = error;
+  for (TriangleId t : changed) birth_errors_[t] = error;
 }
 
 /// Of a field of heights: the samples at the triangle's edges on a rim, or beyond them. Others may be found
@@ -649,7 +651,7 @@ CellSurvivors SubstitutionKernel::survivors() const {
     const auto& c = corners_[t];
     out.triangles.push_back(t);
     out.corners.push_back(wedges_.empty() ? c : wedges_[t]);
-    out.births.push_back(births_[t]);
+    out.births.push_back({birth_errors_[t], {}});
     const auto first = sample_arena_.begin() + samples_[t].begin;
     samples.assign(first, first + samples_[t].count);
     const std::span inner = std::span(samples).subspan(move_rim_samples_first(t, samples));

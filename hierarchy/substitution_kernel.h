@@ -88,7 +88,7 @@ class SubstitutionKernel {
   /// Largest birth error of the triangles around u.
   float birth_error_around(PointId u) const {
     float error = 0;
-    for (TriangleId t : star(u)) error = std::max(error, births_[t].error);
+    for (TriangleId t : star(u)) error = std::max(error, birth_errors_[t]);
     return error;
   }
   /// Largest birth error of the triangles that what was measured last depends on.
@@ -116,6 +116,7 @@ class SubstitutionKernel {
     return vec_cast<std::int32_t>(vec_cast<double>(position_[p])) + origin_;
   }
   std::uint32_t first_vertex(PointId p) const { return first_vertex_[p]; }
+  /// Without the balls of births.
   CellSurvivors survivors() const;
 
  private:
@@ -191,7 +192,7 @@ class SubstitutionKernel {
 
   std::vector<std::array<PointId, 3>> corners_;  // per triangle
   std::vector<std::uint8_t> alive_;
-  std::vector<Birth> births_;
+  std::vector<float> birth_errors_;  // per triangle
   std::vector<SampleRun> samples_;   // per triangle
   std::vector<Vec3f> sample_arena_;  // only grows, until it is packed
   std::size_t live_samples_ = 0;

@@ -50,6 +50,22 @@ TEST_P(Hostile, page_round_trip) {
     EXPECT_EQ(again->owned.colours, page.owned.colours);
     EXPECT_EQ(again->owned.texcoords, page.owned.texcoords);
     EXPECT_EQ(again->orphans, page.orphans);
+    ASSERT_EQ(again->script.fans.size(), page.script.fans.size());
+    for (std::size_t f = 0; f < page.script.fans.size(); ++f)
+      EXPECT_EQ(again->script.fans[f].sphere, page.script.fans[f].sphere) << "fan " << f;
+  }
+}
+
+TEST_P(Hostile, a_page_wants_all_of_its_survivors) {
+  for (const Page& page : good_.pages) {
+    const Bytes bytes = encode_page(page);
+    std::vector<Vec3i> places = page.survivors;
+    places.push_back({});
+    EXPECT_FALSE(decode_page(bytes, places));
+    places.resize(places.size() - std::min<std::size_t>(2, places.size()));
+    if (!page.survivors.empty()) {
+      EXPECT_FALSE(decode_page(bytes, places));
+    }
   }
 }
 

@@ -238,8 +238,9 @@ TEST_F(SceneBuild, damaged_bytes_are_errors) {
         for (PageId id = 0; id < surface->directory().pages.size(); ++id) {
           const auto survivors = positions.survivors(id);
           if (!survivors) continue;
-          if (const auto page = surface->read_page(id, *survivors); !page)
+          if (const auto page = surface->read_page(id, *survivors); !page) {
             EXPECT_NE(page.error().place.find("part 2, page"), std::string::npos);
+          }
         }
       }
     }
