@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <ctime>
 #include <map>
 #include <random>
 #include <thread>
@@ -18,29 +17,14 @@
 #include "runtime/extract.h"
 #include "runtime/flight.h"
 #include "runtime/view_fit.h"
+#include "tools/bench/frame_figures.h"
 
 namespace {
 
 using namespace cuesta;
+using namespace cuesta::bench;
 
 constexpr std::uint64_t million = 1'000'000;
-
-double clock_ms() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-/// Processor time of this thread: what a frame costs on one core, whatever else the machine does.
-double thread_ms() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) * 1e3 + static_cast<double>(t.tv_nsec) * 1e-6;
-}
-
-double quantile(std::vector<double> v, double q) {
-  std::sort(v.begin(), v.end());
-  return v.empty() ? 0 : v[static_cast<std::size_t>(q * static_cast<double>(v.size() - 1) + 0.5)];
-}
 
 std::unique_ptr<Cut> open(const char* path, std::uint64_t cache, std::uint32_t threads, Clock clock = clock_ms) {
   auto file = CuestaFile::open(path);
@@ -68,41 +52,6 @@ View full_hd() {
 /// Over the model from end to end, at 30 frames a second, in so many frames.
 Flight over(std::span<const Vec3d> points, std::uint64_t frames) {
   return make_flight(FlightKind::fly_over, {points, points.front()}, full_hd(), frames);
-}
-
-struct Part {
-  std::string name;
-  std::vector<AdaptReport> frames;
-  std::vector<double> processor_ms = {};
-};
-
-void print_part(const Part& part, std::FILE* csv) {
-  std::vector<double> ms, operations, blocks;
-  std::uint64_t most_triangles = 0, most_bytes = 0;
-  double tau = 0;
-  for (const AdaptReport& r : part.frames) {
-    ms.push_back(r.adapt_ms);
-    operations.push_back(r.coarse_operations + r.fine_operations);
-    blocks.push_back(r.blocks_tested);
-    most_triangles = std::max(most_triangles, r.triangles);
-    most_bytes = std::max(most_bytes, r.resident_bytes);
-    tau = std::max(tau, r.tau);
-  }
-  const std::string line = fmt::format(
-      "{},{},{:.4f},{:.3f},{:.3f},{:.3f},{:.0f},{:.0f},{},{:.1f},{:.3f},{:.3f}", part.name, part.frames.size(),
-      quantile(ms, 0.5), quantile(ms, 0.99), quantile(ms, 0.999), quantile(ms, 1), quantile(operations, 0.5),
-      quantile(blocks, 0.5), most_triangles, static_cast<double>(most_bytes) / (1 << 20), tau,
-      quantile(part.processor_ms, 0.999));
-  fmt::print("{}\n", line);
-  if (csv) fmt::print(csv, "{}\n", line);
-}
-
-void print_head(std::FILE* csv) {
-  const char* head =
-      "flight,frames,median_ms,p99_ms,p999_ms,most_ms,median_operations,median_blocks,most_triangles,"
-      "most_resident_mebibytes,most_tau_px,p999_processor_ms";
-  fmt::print("{}\n", head);
-  if (csv) fmt::print(csv, "{}\n", head);
 }
 
 void print_histogram(const Part& part) {
