@@ -529,8 +529,10 @@ void add_export(CLI::App& program, Common& common) {
       "  cuesta export alps.cuesta --format quantized-mesh -o alps-terrain");
   ExportSettings& s = *c.settings;
   add_path(c.app, "FILE", s.file, "a .cuesta file")->required();
-  add_path(c.app, "-o,--output", s.output, "mesh (.ply, .obj, .glb), archive (.3tz) or folder to write")->required();
-  add_parsed(c.app, "--format", "FORMAT", "3dtiles, quantized-mesh, ply, obj or glb; default: what the output's name says",
+  add_path(c.app, "-o,--output", s.output, "mesh (.ply, .obj, .glb), archive (.3tz) or folder to write")
+      ->required();
+  add_parsed(c.app, "--format", "FORMAT",
+             "3dtiles, quantized-mesh, ply, obj or glb; default: what the output's name says",
              one_of<ExportFormat>({{"3dtiles", ExportFormat::tiles_3d},
                                    {"quantized-mesh", ExportFormat::quantized_mesh},
                                    {"ply", ExportFormat::ply},
@@ -634,6 +636,10 @@ void add_serve(CLI::App& program, Common& common) {
       ->check(CLI::Range(0u, 100'000u));
   add_parsed(c.app, "--session-cache", "SIZE", "memory for the pages of each session; default 64M",
              store(parse_bytes, s.session_cache_bytes));
+  add_parsed(c.app, "--session-memory", "SIZE",
+             "memory for all sessions together, beyond which they are refused: each takes up to twice its\n"
+             "--session-cache; default half of the machine's",
+             store(parse_bytes, s.session_memory_bytes));
   c.app->add_flag("!--no-thumbnails", s.thumbnails, "the start page has no pictures");
   c.runs(common, run_serve);
 }

@@ -59,6 +59,7 @@ serve::SessionServerSettings session_settings(const ServeSettings& s) {
   settings.threads = server_settings(s).threads;
   settings.sessions = s.sessions;
   settings.limits.cache_bytes = s.session_cache_bytes;
+  settings.memory_bytes = s.session_memory_bytes > 0 ? s.session_memory_bytes : physical_memory_bytes() / 2;
   return settings;
 }
 

@@ -20,6 +20,7 @@ struct ServeSettings {
   bool thumbnails = true;
   std::uint32_t sessions = 256;                     ///< that are open at once; 0: none are taken
   std::uint64_t session_cache_bytes = 64ull << 20;  ///< of resident pages, for each
+  std::uint64_t session_memory_bytes = 0;           ///< of all of them; 0: half of the machine's
 };
 
 /// Serves until SIGINT or SIGTERM, then ends the responses under way, within ten seconds.

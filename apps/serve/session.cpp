@@ -23,6 +23,20 @@ Result<std::unique_ptr<Session>> Session::open(CuestaFile file, const SessionLim
   return std::unique_ptr<Session>(new Session(std::move(*cut), limits, std::move(clock)));
 }
 
+/// An entry, with those of the page cache.
+std::uint64_t Session::directory_bytes(const Directory& directory) {
+  constexpr std::uint64_t entry_bytes = sizeof(PageEntry) + 40;
+  std::uint64_t bytes = directory.metadata.capacity();
+  for (const PageEntry& e : directory.pages) bytes += entry_bytes + e.coarser.capacity() * sizeof(PageId);
+  return bytes;
+}
+
+/// A page is charged some 160 bytes for a vertex that it owns and two triangles; what mirrors them, and what
+/// finds the changes of a step, take as much at most, for arrays grow by doubling. In flights it is a tenth.
+std::uint64_t Session::most_bytes(const Directory& directory, const SessionLimits& limits) {
+  return directory_bytes(directory) + 2 * limits.cache_bytes;
+}
+
 Session::Session(std::unique_ptr<Cut> cut, const SessionLimits& limits, Clock clock)
     : cut_(std::move(cut)),
       limits_(limits),

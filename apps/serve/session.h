@@ -29,6 +29,13 @@ class Session {
   /// @error as Cut::open.
   static Result<std::unique_ptr<Session>> open(CuestaFile file, const SessionLimits& limits, Clock clock);
 
+  /// What a session of a file takes at most: pages, what its client has of them, and a directory of its own.
+  static std::uint64_t most_bytes(const Directory& directory, const SessionLimits& limits);
+  /// What it takes of that now.
+  std::uint64_t bytes() const {
+    return directory_bytes(cut_->directory()) + cut_->cache().resident_bytes() + mirror_.bytes();
+  }
+
   const std::string& welcome() const { return welcome_; }
 
   /// A message of the client.
@@ -47,6 +54,7 @@ class Session {
 
  private:
   Session(std::unique_ptr<Cut> cut, const SessionLimits& limits, Clock clock);
+  static std::uint64_t directory_bytes(const Directory& directory);
   void set_budgets(const Hello& hello);
   double target_bytes() const;
   void choose_upload_budget();

@@ -69,6 +69,15 @@ std::optional<std::string> SessionMirror::change(const DrawList& list, bool sett
   return message(settled, achieved_px);
 }
 
+std::uint64_t SessionMirror::bytes() const {
+  const auto taken = [](const auto&... arrays) {
+    return (std::uint64_t{0} + ... + (arrays.capacity() * sizeof(arrays[0])));
+  };
+  return taken(drawn_, drawn_before_, slot_of_place_, vertices_of_slot_, sent_of_pool_, sent_, affected_,
+               added_, removed_, set_, new_vertices_, unused_) +
+         triangle_slots_.bytes() + vertex_slots_.bytes() + lost_.bucket_count() * sizeof(void*);
+}
+
 /// Places whose triangle may be another one than the client has.
 void SessionMirror::find_affected(const DrawList& list) {
   const std::size_t places = list.indices.size() / 3;

@@ -16,8 +16,8 @@ namespace cuesta::serve {
 
 /// Slots of vertices and triangles are the lowest that are free. A triangle that only moved within the pools
 /// is not sent again, nor is a vertex that the client has.
-/// @cost a step: O(blocks that are drawn + changes).   Memory: 36 bytes per vertex that was sent, 24 per
-/// triangle.
+/// @cost a step: O(blocks that are drawn + changes).   Memory: 28 bytes per vertex that was sent, 12 per
+/// triangle, 4 per slot of the pools; up to twice as much, as arrays grow.
 class SessionMirror {
  public:
   SessionMirror(bool has_normals, bool has_colours) : has_normals_(has_normals), has_colours_(has_colours) {}
@@ -29,6 +29,8 @@ class SessionMirror {
   std::optional<std::string> change(const DrawList& list, bool settled, float achieved_px);
 
   std::uint32_t triangle_count() const { return used_triangles_; }
+  /// What it takes, but for what a single step needs beyond it.
+  std::uint64_t bytes() const;
 
  private:
   using Corners = std::array<std::uint32_t, 3>;
@@ -48,6 +50,7 @@ class SessionMirror {
    public:
     std::uint32_t take();
     void give(std::uint32_t slot);
+    std::uint64_t bytes() const { return free_.capacity() * sizeof(std::uint32_t); }
 
    private:
     std::vector<std::uint32_t> free_;  // a heap, the lowest in front

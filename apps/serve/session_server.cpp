@@ -17,6 +17,9 @@
 #include <mutex>
 #include <thread>
 
+#include "apps/serve/turns.h"
+#include "ooc/memory_budget.h"
+
 namespace cuesta::serve {
 namespace {
 
@@ -36,68 +39,108 @@ struct SessionCounts {
 /// Shelves of the files that have sessions.
 class Shelves {
  public:
-  explicit Shelves(std::uint64_t budget_bytes) : budget_bytes_(budget_bytes) {}
-  std::shared_ptr<PageShelf> shelf_of(const Dataset& set) {
+  Shelves(MemoryBudget& memory, std::uint64_t bytes) : memory_(memory), bytes_(bytes) {}
+  /// @error out_of_budget: there is no memory for another one.
+  Result<std::shared_ptr<PageShelf>> shelf_of(const Dataset& set) {
     const std::lock_guard lock(mutex_);
     std::erase_if(shelves_, [](const auto& entry) { return entry.second.expired(); });
-    auto& known = shelves_[set.version()];
-    auto shelf = known.lock();
-    if (!shelf) known = shelf = std::make_shared<PageShelf>(budget_bytes_);
+    if (const auto known = shelves_.find(set.version()); known != shelves_.end())
+      if (auto shelf = known->second.lock()) return shelf;
+    auto room = memory_.reserve(bytes_, "a shelf of pages");
+    if (!room) return fail(room.error());
+    const auto kept = std::make_shared<Kept>(std::move(*room));
+    std::shared_ptr<PageShelf> shelf(kept, &kept->shelf);
+    shelves_[set.version()] = shelf;
     return shelf;
   }
 
  private:
-  std::uint64_t budget_bytes_;
+  struct Kept {
+    explicit Kept(MemoryBudget::Reservation taken) : room(std::move(taken)), shelf(room.bytes()) {}
+    MemoryBudget::Reservation room;
+    PageShelf shelf;
+  };
+  MemoryBudget& memory_;
+  std::uint64_t bytes_;
   std::mutex mutex_;
   std::map<std::string, std::weak_ptr<PageShelf>> shelves_;
 };
 
+/// What all sessions share.
+struct Common {
+  explicit Common(const SessionServerSettings& s)
+      : settings(s), memory(s.memory_bytes), shelves(memory, std::min(s.shelf_bytes, s.memory_bytes / 4)) {}
+  const SessionServerSettings settings;
+  SessionCounts counts;
+  MemoryBudget memory;
+  Shelves shelves;
+};
+
+Error refusal(ErrorCode code, std::string_view words) {
+  return {code, "session", "", std::string(words)};
+}
+
 /// A connection and its session, on one thread.
 class Client : public std::enable_shared_from_this<Client> {
  public:
-  Client(boost::asio::io_context& context, std::shared_ptr<const Dataset> set, tcp::socket socket,
-         std::string bytes, const SessionServerSettings& settings, SessionCounts& counts)
-      : settings_(settings),
-        counts_(counts),
+  Client(boost::asio::io_context& context, Turns& turns, std::shared_ptr<const Dataset> set,
+         tcp::socket socket, std::string bytes, Common& common)
+      : common_(common),
+        counts_(common.counts),
+        turns_(turns),
         set_(std::move(set)),
         stream_(std::move(socket)),
         timer_(context),
         handshake_(std::move(bytes)) {}
   ~Client() {
-    if (session_) --counts_.open;
+    if (is_counted_) --counts_.open;
   }
 
-  void start(std::shared_ptr<PageShelf> shelf) {
+  void start() {
     websocket::stream_base::timeout limits{};
-    limits.handshake_timeout = std::chrono::milliseconds(settings_.handshake_ms);
-    limits.idle_timeout = std::chrono::milliseconds(settings_.silence_ms);
+    limits.handshake_timeout = std::chrono::milliseconds(common_.settings.handshake_ms);
+    limits.idle_timeout = std::chrono::milliseconds(common_.settings.silence_ms);
     limits.keep_alive_pings = true;
     stream_.set_option(limits);
     stream_.read_message_max(largest_client_message);
     stream_.binary(true);
     stream_.auto_fragment(false);
-    stream_.async_accept(boost::asio::buffer(handshake_),
-                         [self = shared_from_this(), shelf](error_code error) {
-                           if (!error) self->open(shelf);
-                         });
+    stream_.async_accept(boost::asio::buffer(handshake_), [self = shared_from_this()](error_code error) {
+      if (!error) self->begin();
+    });
   }
 
  private:
-  void open(const std::shared_ptr<PageShelf>& shelf) {
+  void begin() {
     handshake_ = {};
-    if (!shelf)
-      return refuse(
-          {ErrorCode::out_of_budget, "session", "", "there are too many sessions; try again later"});
-    auto file = CuestaFile::open(set_->file->descriptor.path());
-    if (!file) return refuse(file.error());
-    file->set_shelf(shelf);
-    auto session = Session::open(std::move(*file), settings_.limits, clock_ms);
-    if (!session) return refuse(session.error());
-    session_ = std::move(*session);
-    ++counts_.open;
+    if (auto opened = open(); !opened) return refuse(opened.error());
     ++counts_.begun;
     send(session_->welcome());
     read();
+  }
+
+  Result<void> open() {
+    if (set_->is_scene)
+      return fail(refusal(ErrorCode::invalid_input,
+                          "a scene of many parts has no sessions; read its file (/data) and draw it there"));
+    if (counts_.open++ >= common_.settings.sessions) {
+      --counts_.open;
+      return fail(refusal(ErrorCode::out_of_budget, "there are too many sessions; try again later"));
+    }
+    is_counted_ = true;
+    auto file = CuestaFile::open(set_->file->descriptor.path());
+    if (!file) return fail(file.error());
+    auto shelf = common_.shelves.shelf_of(*set_);
+    auto room =
+        common_.memory.reserve(Session::most_bytes(file->directory(), common_.settings.limits), "a session");
+    if (!shelf || !room)
+      return fail(refusal(ErrorCode::out_of_budget, "the memory for sessions is taken; try again later"));
+    room_ = std::move(*room);
+    file->set_shelf(std::move(*shelf));
+    auto session = Session::open(std::move(*file), common_.settings.limits, clock_ms);
+    if (!session) return fail(session.error());
+    session_ = std::move(*session);
+    return {};
   }
 
   void refuse(const Error& error) {
@@ -127,18 +170,21 @@ class Client : public std::enable_shared_from_this<Client> {
     read();
   }
 
-  /// The next step, when it is worth one. There is one timer, and one message on its way.
+  /// The next step, when it is worth one. There is one timer, one turn, and one message on its way.
   void schedule() {
-    if (sending_ || ending_) return;
+    if (sending_ || ending_ || is_due_) return;
     const double wait = session_->wait_ms();
     if (std::isinf(wait)) return;
     timer_.expires_after(std::chrono::microseconds(static_cast<std::int64_t>(wait * 1000)));
     timer_.async_wait([self = shared_from_this()](error_code error) {
-      if (!error) self->step();
+      if (error || self->is_due_) return;
+      self->is_due_ = true;
+      self->turns_.add([self] { self->step(); });
     });
   }
 
   void step() {
+    is_due_ = false;
     if (sending_ || ending_) return;
     auto message = session_->step();
     if (!message) return schedule();
@@ -171,29 +217,31 @@ class Client : public std::enable_shared_from_this<Client> {
     boost::beast::get_lowest_layer(stream_).close();
   }
 
-  const SessionServerSettings& settings_;
+  Common& common_;
   SessionCounts& counts_;
+  Turns& turns_;
   std::shared_ptr<const Dataset> set_;
   websocket::stream<boost::beast::tcp_stream> stream_;
   boost::asio::steady_timer timer_;
   std::string handshake_, out_, pending_;
   boost::beast::flat_buffer buffer_;
+  MemoryBudget::Reservation room_;
   std::unique_ptr<Session> session_;
-  bool sending_ = false, ending_ = false;
+  bool is_counted_ = false, is_due_ = false, sending_ = false, ending_ = false;
 };
 
 /// A thread and its event loop.
 struct Loop {
   boost::asio::io_context context{1};
+  Turns turns{context};
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work{context.get_executor()};
   std::thread thread;
 };
 
 class ThreadSessions : public SessionServer {
  public:
-  explicit ThreadSessions(const SessionServerSettings& settings)
-      : settings_(settings), shelves_(settings.shelf_bytes) {
-    for (std::uint32_t i = 0; i < settings_.threads; ++i) {
+  explicit ThreadSessions(const SessionServerSettings& settings) : common_(settings) {
+    for (std::uint32_t i = 0; i < settings.threads; ++i) {
       loops_.push_back(std::make_unique<Loop>());
       loops_.back()->thread = std::thread([loop = loops_.back().get()] {
         sigset_t pipe;
@@ -218,15 +266,19 @@ class ThreadSessions : public SessionServer {
   }
 
   std::vector<Gauge> gauges() const override {
+    const SessionCounts& counts = common_.counts;
     const auto value = [](const std::atomic<std::uint64_t>& n) { return static_cast<double>(n.load()); };
     return {
-        {"cuesta_sessions", "Sessions that are open.", value(counts_.open)},
-        {"cuesta_sessions_begun_total", "Sessions that were begun.", value(counts_.begun), true},
-        {"cuesta_sessions_refused_total", "Sessions that were refused.", value(counts_.refused), true},
-        {"cuesta_sessions_failed_total", "Sessions ended for what a client sent.", value(counts_.failed),
+        {"cuesta_sessions", "Sessions that are open.", value(counts.open)},
+        {"cuesta_session_memory_bytes",
+         "Memory that is set aside for sessions and the pages that they share.",
+         static_cast<double>(common_.memory.used_bytes())},
+        {"cuesta_sessions_begun_total", "Sessions that were begun.", value(counts.begun), true},
+        {"cuesta_sessions_refused_total", "Sessions that were refused.", value(counts.refused), true},
+        {"cuesta_sessions_failed_total", "Sessions ended for what a client sent.", value(counts.failed),
          true},
-        {"cuesta_session_changes_total", "Changes that were sent.", value(counts_.changes), true},
-        {"cuesta_session_sent_bytes_total", "Bytes of sessions' messages.", value(counts_.sent_bytes), true}};
+        {"cuesta_session_changes_total", "Changes that were sent.", value(counts.changes), true},
+        {"cuesta_session_sent_bytes_total", "Bytes of sessions' messages.", value(counts.sent_bytes), true}};
   }
 
  private:
@@ -239,15 +291,12 @@ class ThreadSessions : public SessionServer {
     socket.assign(address.ss_family == AF_INET6 ? tcp::v6() : tcp::v4(), connection.get(), error);
     if (error) return;
     (void)connection.release();
-    auto shelf = counts_.open < settings_.sessions ? shelves_.shelf_of(*set) : nullptr;
-    std::make_shared<Client>(loop.context, std::move(set), std::move(socket), std::move(bytes), settings_,
-                             counts_)
-        ->start(std::move(shelf));
+    std::make_shared<Client>(loop.context, loop.turns, std::move(set), std::move(socket), std::move(bytes),
+                             common_)
+        ->start();
   }
 
-  const SessionServerSettings settings_;
-  Shelves shelves_;
-  SessionCounts counts_;
+  Common common_;
   std::atomic<std::size_t> next_{0};
   std::vector<std::unique_ptr<Loop>> loops_;
 };

@@ -153,7 +153,7 @@ void Site::thumbnail(Exchange& x, std::string_view name) const {
 
 void Site::session(Exchange& x, std::string_view name) const {
   const auto set = x.contents().dataset(name);
-  if (!set || set->is_scene || !parts_.session) return x.not_found();
+  if (!set || !parts_.session) return x.not_found();
   if (!x.frame.request.upgrades_to_websocket)
     return respond_refusal(x.response, x.frame, 426, "This is for WebSocket.",
                            "Upgrade: websocket\r\nConnection: Upgrade\r\n");

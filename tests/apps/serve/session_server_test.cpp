@@ -3,6 +3,7 @@
 #include <thread>
 
 #include "apps/serve/session_server.h"
+#include "apps/serve/turns.h"
 #include "tests/apps/serve/served_folder.h"
 #include "tests/apps/serve/thin_client.h"
 
@@ -89,6 +90,48 @@ TEST_F(Sessions, one_too_many_is_refused_with_words) {
   EXPECT_NE(words->find("too many sessions"), words->npos);
   first.send(serve::encode(view(3)));
   EXPECT_TRUE(first.settle());
+}
+
+TEST_F(Sessions, memory_that_is_taken_is_refused_with_words) {
+  serve::SessionServerSettings settings;
+  settings.limits.cache_bytes = 16u << 20;
+  settings.memory_bytes = 72u << 20;  // of which a quarter is the shelf's: room for one session
+  start_sessions(settings);
+  std::optional<ThinClient> first(std::in_place, server->port(), "scan");
+  ASSERT_TRUE(first->begin({}));
+  EXPECT_GE(metric("cuesta_session_memory_bytes"), 40e6);
+  ThinClient second(server->port(), "scan");
+  const auto message = second.receive();
+  ASSERT_TRUE(message);
+  const auto words = serve::decode_refusal(serve::bytes_of(*message));
+  ASSERT_TRUE(words);
+  EXPECT_NE(words->find("memory for sessions is taken"), words->npos);
+  first.reset();
+  for (int i = 0; i < 300 && metric("cuesta_session_memory_bytes") > 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_EQ(metric("cuesta_session_memory_bytes"), 0);
+  expect_session();
+}
+
+/// Ten clients with fifty messages each, and a step of each that is due.
+TEST(SessionTurns, messages_are_read_between_two_steps) {
+  boost::asio::io_context loop;
+  serve::Turns turns(loop);
+  constexpr int clients = 10, messages = 50;
+  int read = 0, steps = 0;
+  std::function<void(int)> read_on = [&](int left) {
+    ++read;
+    if (left > 1) boost::asio::post(loop, [&, left] { read_on(left - 1); });
+  };
+  for (int i = 0; i < clients; ++i) boost::asio::post(loop, [&] { read_on(messages); });
+  for (int i = 0; i < clients; ++i)
+    turns.add([&] {
+      EXPECT_GE(read, clients * ++steps);
+      if (steps == 1) turns.add([&] { EXPECT_EQ(++steps, clients + 1); });  // behind the others
+    });
+  loop.run();
+  EXPECT_EQ(steps, clients + 1);
+  EXPECT_EQ(read, clients * messages);
 }
 
 TEST_F(Sessions, wrong_messages_end_a_session_with_words) {

@@ -167,6 +167,26 @@ TEST_F(SessionTest, budgets_of_the_client_hold) {
   EXPECT_LE(line.mesh->triangle_count(), 800u);
 }
 
+TEST_F(SessionTest, memory_stays_within_what_is_set_aside_for_it) {
+  const auto directory = CuestaFile::open(path)->directory();
+  for (const std::uint64_t cache_bytes : {2u << 20, 4u << 20, 8u << 20}) {
+    SessionLimits limits;
+    limits.cache_bytes = cache_bytes;
+    limits.pages_per_step = 100;
+    Line line(path, 1e8, 1, limits);
+    Hello hello;
+    hello.triangles = 1'000'000;
+    hello.tau_px = 0.01F;
+    line.tell(hello);
+    for (int i = 0; i < 20; ++i) {
+      line.look(view_at(i));
+      line.run(200);
+      ASSERT_LE(line.session->bytes(), Session::most_bytes(directory, limits)) << i;
+    }
+    EXPECT_GT(line.session->bytes(), Session::most_bytes(directory, limits) / 4);
+  }
+}
+
 TEST_F(SessionTest, bytes_per_second_are_held) {
   Line line(path, 1e7, 5);
   Hello hello;
