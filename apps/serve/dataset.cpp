@@ -56,6 +56,10 @@ ordered_json common_json(const Dataset& set) {
           {"attribution", set.attribution}};
 }
 
+std::string thumbnail_of(const Dataset& set) {
+  return fmt::format("/thumbnail/{}.png", escaped_path(set.name));
+}
+
 void tell_surface(Dataset& set, const Directory& d, const FoundFile& found) {
   const ordered_json metadata = app::metadata_of(d);
   set.triangles = d.triangles;
@@ -64,7 +68,7 @@ void tell_surface(Dataset& set, const Directory& d, const FoundFile& found) {
   set.is_terrain = metadata.is_object() && metadata.contains("terrain");
   set.attribution = attribution_of(metadata, found);
   ordered_json json = common_json(set);
-  json["thumbnail"] = fmt::format("/thumbnail/{}.png", escaped_path(set.name));
+  json["thumbnail"] = thumbnail_of(set);
   json["session"] = fmt::format("/session/{}", escaped_path(set.name));
   json["terrain"] = set.is_terrain;
   json.update(app::directory_json(d));
@@ -78,11 +82,14 @@ void tell_surface(Dataset& set, const Directory& d, const FoundFile& found) {
 void tell_scene(Dataset& set, const SceneFile& scene, const FoundFile& found) {
   const ordered_json metadata = app::metadata_of(scene.directory().metadata);
   set.is_scene = true;
+  if (const Box3d box = world_box(scene.directory()); !box.empty()) set.box = box;
   set.attribution = attribution_of(metadata, found);
   for (const ScenePartEntry& p : scene.parts()) set.triangles += p.triangles, set.vertices += p.vertices;
   ordered_json json = common_json(set);
+  json["thumbnail"] = thumbnail_of(set);
   json["triangles"] = set.triangles;
   json["vertices"] = set.vertices;
+  json["bounds"] = {{"lo", app::vector_json(set.box.lo)}, {"hi", app::vector_json(set.box.hi)}};
   json["parts"] = scene.parts().size();
   json["instances"] = scene.instances().size();
   json["whole"] = scene.is_whole();

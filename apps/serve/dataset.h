@@ -15,8 +15,8 @@ struct Dataset {
   std::string name;  ///< of its file below the path that is served, without ".cuesta"
   std::shared_ptr<const ServedFile> file;
   std::uint64_t triangles = 0, vertices = 0;  ///< of a scene: of all its parts, once each
-  bool is_scene = false;  ///< of many parts: it has no box here, no thumbnail and no sessions
-  Box3d box;              ///< world units
+  bool is_scene = false;                      ///< of many parts: it has no sessions
+  Box3d box{{0, 0, 0}, {0, 0, 0}};  ///< world units; of a scene: of all its instances where they are at first
   bool is_terrain = false;
   std::string attribution;  ///< of its metadata, else of "NAME.attribution" beside it; may be empty
   std::string json;         ///< all that is told of it, one line

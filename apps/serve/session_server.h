@@ -15,10 +15,11 @@ namespace cuesta::serve {
 
 struct SessionServerSettings {
   std::uint32_t threads = 2;
-  std::uint32_t sessions = 256;              ///< beyond: refused, out_of_budget
-  std::uint64_t memory_bytes = 8ull << 30;   ///< of all sessions and shelves; beyond: refused, out_of_budget
-  std::uint64_t shelf_bytes = 256ull << 20;  ///< of decoded pages, for each file with sessions; at most a quarter
-  std::uint32_t silence_ms = 60'000;         ///< without anything from the client: pinged, then closed
+  std::uint32_t sessions = 256;             ///< beyond: refused, out_of_budget
+  std::uint64_t memory_bytes = 8ull << 30;  ///< of all sessions and shelves; beyond: refused, out_of_budget
+  std::uint64_t shelf_bytes =
+      256ull << 20;                   ///< of decoded pages, for each file with sessions; at most a quarter
+  std::uint32_t silence_ms = 60'000;  ///< without anything from the client: pinged, then closed
   std::uint32_t handshake_ms = 10'000;
   SessionLimits limits;
 };

@@ -136,7 +136,7 @@ void Site::dataset_json(Exchange& x, std::string_view name) const {
 
 void Site::thumbnail(Exchange& x, std::string_view name) const {
   const auto set = x.contents().dataset(name);
-  if (!set || set->is_scene || !parts_.thumbnail) return x.not_found();
+  if (!set || !parts_.thumbnail) return x.not_found();
   x.response.clear();
   x.response.later = [make = parts_.thumbnail, set,
                       kept = KeptRequest(x.frame)](std::function<void(Response)> done) {

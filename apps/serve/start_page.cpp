@@ -89,11 +89,10 @@ std::string numbers(const Dataset& set) {
                                                 : "",
                                  glance(set.triangles), size_text(set.file->bytes()));
   const Vec3d size = set.box.hi - set.box.lo;
-  return set.is_scene ? text : text + fmt::format("<br>{:.4g} × {:.4g} × {:.4g}", size.x, size.y, size.z);
+  return text + fmt::format("<br>{:.4g} × {:.4g} × {:.4g}", size.x, size.y, size.z);
 }
 
 void put_picture(fmt::memory_buffer& out, const Dataset& set, const std::string& place) {
-  if (set.is_scene) return;
   fmt::format_to(
       std::back_inserter(out),
       "<img src=\"/thumbnail/{}.png?v={}\" alt=\"\" width=\"480\" height=\"360\" loading=\"lazy\">", place,

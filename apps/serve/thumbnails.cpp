@@ -12,8 +12,10 @@
 #include <vector>
 
 #include "apps/overview/sketch.h"
+#include "apps/scene_show/scene_player.h"
 #include "runtime/draw/png_file.h"
 #include "runtime/draw/renderer.h"
+#include "runtime/view_fit.h"
 
 namespace cuesta::serve {
 namespace {
@@ -27,13 +29,13 @@ class Artist {
   explicit Artist(const ThumbnailSettings& settings) : settings_(settings) {}
 
   Result<std::string> draw(const Dataset& set) {
-    auto png = try_draw(set);
+    auto png = set.is_scene ? draw_scene(set) : draw_surface(set);
     if (!png) png.error().file = set.name;
     return png;
   }
 
  private:
-  Result<std::string> try_draw(const Dataset& set) {
+  Result<std::string> draw_surface(const Dataset& set) {
     if (auto r = have_renderer(); !r) return fail(r.error());
     auto file = CuestaFile::open(set.file->descriptor.path());
     if (!file) return fail(file.error());
@@ -51,11 +53,36 @@ class Artist {
     return picture ? encode_png(*picture) : fail(picture.error());
   }
 
-  View settle(Cut& cut, const std::optional<terrain_view::TerrainLook>& look) const {
+  /// All of it, each part as fine as the picture shows.
+  Result<std::string> draw_scene(const Dataset& set) {
+    scene_show::PlayerSettings settings;
+    settings.scene.cache_bytes = settings_.cache_bytes;
+    settings.scene.load_threads = 0;
+    settings.draw.background = background;
+    settings.draw.shading = Shading::lit;
+    settings.draw.surface_colour = {255, 255, 255, 255};  // materials have colours
+    settings.context = OffscreenContext::osmesa;
+    auto player = scene_show::ScenePlayer::open(set.file->descriptor.path(), settings, [] { return 0.0; });
+    if (!player) return fail(player.error());
+    SceneFrameOptions options;
+    options.tau_px = tau_px;
+    options.uniform = 1;
+    const View view = empty_view();
+    const View whole = fit_view((*player)->sketch(), three_quarter_direction(view.up), view);
+    if (const auto frame = (*player)->settle(whole, options); !frame) return fail(frame.error());
+    const auto picture = (*player)->picture();
+    return picture ? encode_png(*picture) : fail(picture.error());
+  }
+
+  View empty_view() const {
     View view;
     view.width_px = settings_.width_px;
     view.height_px = settings_.height_px;
-    view = app::first_view(cut, look, view);
+    return view;
+  }
+
+  View settle(Cut& cut, const std::optional<terrain_view::TerrainLook>& look) const {
+    const View view = app::first_view(cut, look, empty_view());
     Budgets budgets;
     budgets.triangles = settings_.triangles;
     cut.settle(ErrorScale::perspective(cut.directory().grid, view), tau_px, budgets);

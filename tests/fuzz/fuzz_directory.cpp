@@ -1,9 +1,15 @@
 /// Whatever decode_directory accepts can be encoded again.
 
 #include "hierarchy/directory.h"
+#include "tests/fuzz/packed_mutator.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto decoded = cuesta::decode_directory({reinterpret_cast<const std::byte*>(data), size});
   if (decoded) cuesta::encode_directory(*decoded);
   return 0;
+}
+
+extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t most,
+                                               unsigned seed) {
+  return cuesta::fuzz::mutate_packed(data, size, most, seed);
 }
