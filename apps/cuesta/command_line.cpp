@@ -607,9 +607,11 @@ void add_serve(CLI::App& program, Common& common) {
   Command<ServeSettings> c(
       program, "serve", "Serves .cuesta files over HTTP.",
       "A start page with pictures, facts as JSON (/api/datasets), and the files themselves, in ranges\n"
-      "(/data/NAME.cuesta); /healthz and /metrics for those who run it. Files may appear, be replaced and\n"
-      "disappear meanwhile: it looks every second. Nothing outside PATH can be read; links in it are not\n"
-      "followed. There is no encryption: put a reverse proxy in front (docs/serving.md).\n\n"
+      "(/data/NAME.cuesta). Tiles of them as 'cuesta export' writes them, made when they are asked for:\n"
+      "3D Tiles (/tiles/NAME/tileset.json), and quantized-mesh of terrain (/terrain/NAME/layer.json).\n"
+      "/healthz and /metrics for those who run it. Files may appear, be replaced and disappear meanwhile:\n"
+      "it looks every second. Nothing outside PATH can be read; links in it are not followed. There is no\n"
+      "encryption: put a reverse proxy in front (docs/serving.md).\n\n"
       "Ctrl-C ends the responses under way, and then the server.\n\n"
       "Examples:\n  cuesta serve scans/\n"
       "  cuesta serve alps.cuesta dragon.cuesta --bind 0.0.0.0 --port 80");
@@ -640,6 +642,14 @@ void add_serve(CLI::App& program, Common& common) {
              "memory for all sessions together, beyond which they are refused: each takes up to twice its\n"
              "--session-cache; default half of the machine's",
              store(parse_bytes, s.session_memory_bytes));
+  c.app->add_option("--tile-threads", s.tile_threads, "threads that make tiles; default 2; 0: no tiles")
+      ->type_name("N")
+      ->check(CLI::Range(0u, 256u));
+  add_parsed(c.app, "--tile-cache", "SIZE",
+             "memory for the pages that tiles are made of, for each such thread; default 512M",
+             store(parse_bytes, s.tile_cache_bytes));
+  add_parsed(c.app, "--tile-memory", "SIZE", "memory for tiles that were made; default 128M",
+             store(parse_bytes, s.tile_memory_bytes));
   c.app->add_flag("!--no-thumbnails", s.thumbnails, "the start page has no pictures");
   c.runs(common, run_serve);
 }

@@ -10,9 +10,11 @@
 
 #include "apps/cuesta/machine.h"
 #include "apps/cuesta/stop_signal.h"
+#include "apps/serve/live_tiles.h"
 #include "apps/serve/server.h"
 #include "apps/serve/session_server.h"
 #include "apps/serve/thumbnails.h"
+#include "ooc/fingerprint.h"
 
 namespace cuesta::app {
 namespace {
@@ -63,7 +65,22 @@ serve::SessionServerSettings session_settings(const ServeSettings& s) {
   return settings;
 }
 
-serve::SiteParts site_parts(serve::Thumbnails* thumbnails, serve::SessionServer* sessions) {
+serve::LiveTileSettings tile_settings(const ServeSettings& s) {
+  serve::LiveTileSettings settings;
+  settings.threads = s.tile_threads;
+  settings.cache_bytes = s.tile_cache_bytes;
+  settings.kept_bytes = s.tile_memory_bytes;
+  return settings;
+}
+
+/// Of this program: the same for all that are built of one commit.
+std::string tile_revision() {
+  const std::string version = version_text();
+  return fmt::format("{:08x}", checksum(std::as_bytes(std::span(version))) & 0xFFFFFFFFu);
+}
+
+serve::SiteParts site_parts(serve::Thumbnails* thumbnails, serve::SessionServer* sessions,
+                            serve::LiveTiles* tiles) {
   serve::SiteParts parts;
   if (sessions)
     parts.session = [sessions](auto set, auto connection, auto bytes) {
@@ -73,8 +90,16 @@ serve::SiteParts site_parts(serve::Thumbnails* thumbnails, serve::SessionServer*
     parts.thumbnail = [thumbnails](auto set, auto done) {
       thumbnails->make(std::move(set), std::move(done));
     };
-  parts.gauges = [thumbnails, sessions] {
+  if (tiles) {
+    parts.tile = [tiles](auto set, auto kind, const auto& file, auto done) {
+      tiles->make(std::move(set), kind, file, std::move(done));
+    };
+    parts.tile_revision = tile_revision();
+  }
+  parts.gauges = [thumbnails, sessions, tiles] {
     auto gauges = sessions ? sessions->gauges() : std::vector<serve::Gauge>();
+    if (tiles)
+      for (const serve::Gauge& g : tiles->gauges()) gauges.push_back(g);
     gauges.push_back({"cuesta_thumbnails_drawn_total", "Pictures that were drawn.",
                       thumbnails ? static_cast<double>(thumbnails->drawn()) : 0.0, true});
     gauges.push_back({"process_resident_memory_bytes", "Memory.", static_cast<double>(resident_bytes())});
@@ -107,7 +132,8 @@ Result<void> run_serve(const ServeSettings& settings) {
   tell(catalogue.update());
   auto thumbnails = settings.thumbnails ? serve::Thumbnails::create({}) : nullptr;
   auto sessions = settings.sessions > 0 ? serve::SessionServer::start(session_settings(settings)) : nullptr;
-  const serve::Site site(catalogue, site_parts(thumbnails.get(), sessions.get()));
+  auto tiles = settings.tile_threads > 0 ? serve::LiveTiles::start(tile_settings(settings)) : nullptr;
+  const serve::Site site(catalogue, site_parts(thumbnails.get(), sessions.get(), tiles.get()));
   auto server = serve::Server::start(server_settings(settings), site);
   if (!server) return fail(server.error());
   fmt::print("{}: {} data sets; Ctrl-C ends it\n", address_text(settings.bind, (*server)->port()),
@@ -116,6 +142,7 @@ Result<void> run_serve(const ServeSettings& settings) {
   follow_files(catalogue);
   (*server)->stop();
   sessions.reset();
+  tiles.reset();
   thumbnails.reset();  // while there is a server that its pictures can be given to
   return {};
 }

@@ -18,6 +18,9 @@ struct ServeSettings {
   std::uint32_t connections = 1024;
   std::filesystem::path page;  ///< folder with the web page; empty: none
   bool thumbnails = true;
+  std::uint32_t tile_threads = 2;                   ///< that make tiles; 0: there are none
+  std::uint64_t tile_cache_bytes = 512ull << 20;    ///< of resident pages, for each
+  std::uint64_t tile_memory_bytes = 128ull << 20;   ///< of tiles that were made
   std::uint32_t sessions = 256;                     ///< that are open at once; 0: none are taken
   std::uint64_t session_cache_bytes = 64ull << 20;  ///< of resident pages, for each
   std::uint64_t session_memory_bytes = 0;           ///< of all of them; 0: half of the machine's

@@ -8,6 +8,7 @@
 
 #include "apps/overview/file_facts.h"
 #include "apps/serve/target.h"
+#include "apps/tiles/terrain_pyramid.h"
 #include "hierarchy/cuesta_file.h"
 #include "hierarchy/scene_file.h"
 #include "ooc/fingerprint.h"
@@ -66,10 +67,15 @@ void tell_surface(Dataset& set, const Directory& d, const FoundFile& found) {
   set.vertices = d.vertices;
   set.box = app::world_box(d);
   set.is_terrain = metadata.is_object() && metadata.contains("terrain");
+  set.is_on_earth = tiles::TerrainPyramid::is_possible(d);
   set.attribution = attribution_of(metadata, found);
   ordered_json json = common_json(set);
   json["thumbnail"] = thumbnail_of(set);
   json["session"] = fmt::format("/session/{}", escaped_path(set.name));
+  if (set.has_tiles(TileKind::tiles_3d))
+    json["tiles"] = fmt::format("/tiles/{}/tileset.json", escaped_path(set.name));
+  if (set.has_tiles(TileKind::terrain))
+    json["terrain_tiles"] = fmt::format("/terrain/{}/layer.json", escaped_path(set.name));
   json["terrain"] = set.is_terrain;
   json.update(app::directory_json(d));
   ordered_json brief = json;

@@ -7,6 +7,7 @@
 
 #include "apps/serve/folder_scan.h"
 #include "apps/serve/served_file.h"
+#include "apps/serve/tile_address.h"
 #include "ooc/vec.h"
 
 namespace cuesta::serve {
@@ -18,10 +19,14 @@ struct Dataset {
   bool is_scene = false;                      ///< of many parts: it has no sessions
   Box3d box{{0, 0, 0}, {0, 0, 0}};  ///< world units; of a scene: of all its instances where they are at first
   bool is_terrain = false;
-  std::string attribution;  ///< of its metadata, else of "NAME.attribution" beside it; may be empty
-  std::string json;         ///< all that is told of it, one line
-  std::string brief_json;   ///< without rounds and metadata
+  bool is_on_earth = false;  ///< a terrain that quantized-mesh can be made of
+  std::string attribution;   ///< of its metadata, else of "NAME.attribution" beside it; may be empty
+  std::string json;          ///< all that is told of it, one line
+  std::string brief_json;    ///< without rounds and metadata
 
+  bool has_tiles(TileKind kind) const {
+    return !is_scene && triangles > 0 && (kind == TileKind::tiles_3d || is_on_earth);
+  }
   /// As ETag, without quotes.
   std::string version() const { return file->etag.substr(1, file->etag.size() - 2); }
 };

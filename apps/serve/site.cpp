@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
+#include "apps/serve/conditions.h"
 #include "apps/serve/file_response.h"
 #include "apps/serve/start_page.h"
 
@@ -28,7 +31,7 @@ constexpr std::string_view start_page_lines =
     "Cache-Control: no-cache\r\n";
 constexpr std::string_view preflight_lines =
     "Access-Control-Allow-Origin: *\r\nAccess-Control-Allow-Methods: GET, HEAD, OPTIONS\r\n"
-    "Access-Control-Allow-Headers: Range, If-Range, If-Match, If-None-Match, If-Modified-Since, "
+    "Access-Control-Allow-Headers: Accept, Range, If-Range, If-Match, If-None-Match, If-Modified-Since, "
     "If-Unmodified-Since\r\nAccess-Control-Max-Age: 86400\r\nAllow: GET, HEAD, OPTIONS\r\n";
 constexpr std::string_view html = "text/html; charset=utf-8", json = "application/json";
 
@@ -106,12 +109,14 @@ void Site::route(Exchange& x) const {
   const std::string_view path = x.scratch.target.path;
   if (const auto name = between(path, "/data/", dataset_suffix)) return data(x, *name);
   if (path == "/")
-    return respond_text(x.response, x.frame, 200, html, start_page(x.contents()), start_page_lines);
+    return respond_text(x.response, x.frame, 200, html, start_page(x.contents(), parts_.tile != nullptr),
+                        start_page_lines);
   if (path == "/api/datasets")
     return respond_text(x.response, x.frame, 200, json, datasets_json(x.contents()), open_to_all);
   if (const auto name = between(path, "/api/datasets/", "")) return dataset_json(x, *name);
   if (const auto name = between(path, "/thumbnail/", ".png")) return thumbnail(x, *name);
   if (const auto name = between(path, "/session/", "")) return session(x, *name);
+  if (const auto address = parse_tile_address(path)) return tile(x, *address);
   if (path.starts_with("/view/")) return page_file(x, path.substr(6));
   if (path == "/healthz")
     return respond_text(x.response, x.frame, 200, "text/plain", "ok\n", "Cache-Control: no-store\r\n");
@@ -119,13 +124,54 @@ void Site::route(Exchange& x) const {
   x.not_found();
 }
 
+/// Header lines of what is made of a data set; nothing, and a refusal, where another version is asked for.
+std::optional<std::string_view> Site::caching(Exchange& x, const Dataset& set) {
+  const auto version = query_value(x.scratch.target.query, "v");
+  if (!version) return open_to_all;
+  if (*version == std::string_view(set.file->etag).substr(1, set.file->etag.size() - 2))
+    return open_and_immutable;
+  respond_refusal(x.response, x.frame, 404, "This version is not served any more.", open_to_all);
+  return std::nullopt;
+}
+
 void Site::data(Exchange& x, std::string_view name) const {
   const auto set = x.contents().dataset(name);
   if (!set) return x.not_found();
-  const auto version = query_value(x.scratch.target.query, "v");
-  if (version && *version != std::string_view(set->file->etag).substr(1, set->file->etag.size() - 2))
-    return respond_refusal(x.response, x.frame, 404, "This version is not served any more.", open_to_all);
-  respond_file(x.response, x.frame, set->file, version ? open_and_immutable : open_to_all, x.scratch.ranges);
+  if (const auto lines = caching(x, *set))
+    respond_file(x.response, x.frame, set->file, *lines, x.scratch.ranges);
+}
+
+void Site::tile(Exchange& x, const TileAddress& address) const {
+  const auto set = x.contents().dataset(address.dataset);
+  if (!set || !set->has_tiles(address.kind) || !parts_.tile) return x.not_found();
+  const auto lines = caching(x, *set);
+  if (!lines) return;
+  const std::string etag = fmt::format("\"{}-{}\"", set->version(), parts_.tile_revision);
+  const std::string caching_lines = fmt::format("ETag: {}\r\n{}", etag, *lines);
+  constexpr auto no_date = std::numeric_limits<std::int64_t>::max();
+  const Precondition precondition = check_preconditions(x.frame.request, {etag, no_date});
+  if (precondition == Precondition::failed)
+    return respond_refusal(x.response, x.frame, 412, "The file is another one now.", open_to_all);
+  if (precondition == Precondition::not_modified) {
+    HeadWriter head(x.response, x.frame, 304);
+    head.lines(caching_lines);
+    return head.end();
+  }
+  x.response.clear();
+  x.response.later = [make = parts_.tile, set, kind = address.kind, file = std::string(address.file),
+                      caching_lines, kept = KeptRequest(x.frame)](std::function<void(Response)> done) {
+    make(set, kind, file, [=, done = std::move(done)](const Result<KeptTiles::Bytes>& bytes) {
+      Response response;
+      const TileFileType type = tile_file_type(file);
+      if (bytes)
+        respond_text(response, kept.frame(), 200, type.content_type, **bytes,
+                     caching_lines + std::string(type.header_lines));
+      else
+        respond_refusal(response, kept.frame(), http_status(bytes.error().code), bytes.error().text(),
+                        open_to_all);
+      done(std::move(response));
+    });
+  };
 }
 
 void Site::dataset_json(Exchange& x, std::string_view name) const {

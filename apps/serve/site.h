@@ -2,8 +2,11 @@
 /// What is behind each address: a request in, a response out. Knows no sockets.
 ///
 ///   /                          start page
-///   /api/datasets              JSON: what is served           /api/datasets/NAME   JSON: all that is known
-///   of it /data/NAME.cuesta          the file, in ranges; with ?v=VERSION a client need never ask again
+///   /api/datasets              JSON: what is served
+///   /api/datasets/NAME         JSON: all that is known of it
+///   /data/NAME.cuesta          the file, in ranges; with ?v=VERSION a client need never ask again
+///   /tiles/NAME/…              the files of an export as 3D Tiles, made here; with ?v=VERSION, too
+///   /terrain/NAME/…            … as quantized-mesh
 ///   /thumbnail/NAME.png        a picture of it, rendered here
 ///   /view/…                    the files of the web page, if there is one
 ///   /session/NAME              WebSocket: a view-dependent session
@@ -11,14 +14,18 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/serve/byte_range.h"
 #include "apps/serve/catalogue.h"
+#include "apps/serve/kept_tiles.h"
 #include "apps/serve/metrics.h"
 #include "apps/serve/response.h"
 #include "apps/serve/target.h"
+#include "apps/serve/tile_address.h"
 
 namespace cuesta::serve {
 
@@ -28,6 +35,12 @@ struct SiteParts {
   std::function<void(std::shared_ptr<const Dataset>, std::function<void(Result<std::string>)>)> thumbnail;
   /// Takes a connection over, with the bytes that were read from it.
   std::function<void(std::shared_ptr<const Dataset>, Descriptor, std::string)> session;
+  /// A file of an export, given to the function when it is there, from any thread; or why there is none.
+  std::function<void(std::shared_ptr<const Dataset>, TileKind, const std::string& file,
+                     std::function<void(const Result<KeptTiles::Bytes>&)>)>
+      tile;
+  /// Of what makes tiles, to be in their ETags: another program may make others of the same file.
+  std::string tile_revision;
   std::function<std::vector<Gauge>()> gauges;
 };
 
@@ -50,9 +63,11 @@ class Site {
  private:
   struct Exchange;
   void route(Exchange& x) const;
+  static std::optional<std::string_view> caching(Exchange& x, const Dataset& set);
   void data(Exchange& x, std::string_view name) const;
   void dataset_json(Exchange& x, std::string_view name) const;
   void thumbnail(Exchange& x, std::string_view name) const;
+  void tile(Exchange& x, const TileAddress& address) const;
   void session(Exchange& x, std::string_view name) const;
   void page_file(Exchange& x, std::string_view name) const;
   void metrics(Exchange& x) const;

@@ -30,7 +30,7 @@ li img { display: block; width: 100%; height: auto; aspect-ratio: 4 / 3; backgro
 h2 { font-size: 1.05rem; margin: 0; overflow-wrap: anywhere; }
 .numbers, .attribution { font-size: .875rem; opacity: .8; margin: 0; }
 .attribution { font-style: italic; overflow-wrap: anywhere; }
-.links { margin: auto 0 0; padding-top: .5rem; display: flex; gap: 1rem; font-size: .9rem; }
+.links { margin: auto 0 0; padding-top: .5rem; display: flex; flex-wrap: wrap; gap: .25rem 1rem; font-size: .9rem; }
 a:focus-visible { outline: 3px solid; outline-offset: 2px; }
 </style>
 </head>
@@ -99,7 +99,18 @@ void put_picture(fmt::memory_buffer& out, const Dataset& set, const std::string&
       set.version());
 }
 
-void put_card(fmt::memory_buffer& out, const Dataset& set, bool has_page) {
+void put_tile_links(fmt::memory_buffer& out, const Dataset& set, const std::string& place,
+                    const std::string& name) {
+  const auto to = std::back_inserter(out);
+  if (set.has_tiles(TileKind::tiles_3d))
+    fmt::format_to(to, "<a href=\"/tiles/{}/tileset.json\" aria-label=\"3D Tiles of {}\">3D Tiles</a>", place,
+                   name);
+  if (set.has_tiles(TileKind::terrain))
+    fmt::format_to(to, "<a href=\"/terrain/{}/layer.json\" aria-label=\"Terrain tiles of {}\">Terrain</a>",
+                   place, name);
+}
+
+void put_card(fmt::memory_buffer& out, const Dataset& set, bool has_page, bool has_tiles) {
   const std::string place = escaped_path(set.name), name = escaped_html(set.name);
   const auto to = std::back_inserter(out);
   const std::string view = fmt::format("/view/?data=/data/{}.cuesta", place);
@@ -114,6 +125,7 @@ void put_card(fmt::memory_buffer& out, const Dataset& set, bool has_page) {
   if (has_page) fmt::format_to(to, "<a href=\"{}\" aria-label=\"View {}\">View</a>", view, name);
   fmt::format_to(to, "<a href=\"/data/{0}.cuesta\" aria-label=\"Download {1}\" download>Download</a>", place,
                  name);
+  if (has_tiles) put_tile_links(out, set, place, name);
   fmt::format_to(to,
                  "<a href=\"/api/datasets/{0}\" aria-label=\"Facts of {1}\">Facts</a></p>\n</div>\n</li>\n",
                  place, name);
@@ -121,14 +133,14 @@ void put_card(fmt::memory_buffer& out, const Dataset& set, bool has_page) {
 
 }  // namespace
 
-std::string start_page(const Contents& contents) {
+std::string start_page(const Contents& contents, bool has_tiles) {
   fmt::memory_buffer out;
   const auto to = std::back_inserter(out);
   const std::size_t count = contents.datasets.size();
   fmt::format_to(to, "{}<p class=\"lead\">{} data set{}. <a href=\"/api/datasets\">As JSON</a></p>\n<ul>\n",
                  head, count, count == 1 ? "" : "s");
   const bool has_page = contents.page_files.contains("index.html");
-  for (const auto& set : contents.datasets) put_card(out, *set, has_page);
+  for (const auto& set : contents.datasets) put_card(out, *set, has_page, has_tiles);
   fmt::format_to(to, "</ul>\n{}", foot);
   return fmt::to_string(out);
 }

@@ -8,6 +8,7 @@
 namespace cuesta::serve {
 
 /// Names and attributions are escaped. Links to the web page where there is one.
-std::string start_page(const Contents& contents);
+/// @param has_tiles  whether there are links to tiles.
+std::string start_page(const Contents& contents, bool has_tiles);
 
 }  // namespace cuesta::serve

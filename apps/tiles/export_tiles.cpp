@@ -3,55 +3,48 @@
 #include <algorithm>
 #include <string>
 
+#include "apps/tiles/tile_source.h"
+
 namespace cuesta::tiles {
 namespace {
 
 class TileExport {
  public:
-  TileExport(TileProducer& producer, TileFiles& files, const TileProgress& progress, std::size_t levels)
-      : producer_(producer), files_(files), progress_(progress), levels_(levels) {}
+  TileExport(TileProducer& producer, TileFiles& files, const TileProgress& progress)
+      : producer_(producer), files_(files), progress_(progress) {}
 
   Result<TilesReport> run() {
     auto root = producer_.root();
     if (!root) return fail(root.error());
     if (!*root) return fail(ErrorCode::invalid_input, "", "", "there are no triangles to export");
     report_.root_error = (*root)->facts.geometric_error;
-    auto node = write_tile(std::move(**root), 0);
-    if (!node) return fail(node.error());
-    if (auto r = write_tileset("tileset.json", *node, &producer_.placement().transform()); !r)
-      return fail(r.error());
+    if (auto r = write_tile(std::move(**root), 0); !r) return fail(r.error());
     if (auto r = files_.finish(); !r) return fail(r.error());
     return report_;
   }
 
  private:
-  /// The tile with what is below it; of what begins a tileset of its own, without.
-  Result<TileNode> write_tile(TileProducer::Fitted&& tile, std::size_t depth) {
-    TileNode node{tile.facts, {}};
-    count(tile.facts, depth);
-    const std::string id = tile.facts.tile.id();
-    if (auto r = write(id + ".glb", producer_.content(std::move(tile))); !r) return fail(r.error());
-    if (auto r = progress_(report_); !r) return fail(r.error());
-    for (const char digit : producer_.digits(node.facts.tile)) {
-      auto below = producer_.child(node.facts.tile, digit);
+  /// The tile and all below it.
+  Result<void> write_tile(TileProducer::Fitted&& tile, std::size_t depth) {
+    const TileFacts facts = tile.facts;
+    count(facts, depth);
+    if (auto r = write(facts.tile.id() + ".glb", producer_.content(std::move(tile))); !r) return r;
+    if (auto r = progress_(report_); !r) return r;
+    std::vector<TileFacts> children;
+    for (const char digit : producer_.digits(facts.tile)) {
+      auto below = producer_.child(facts.tile, digit);
       if (!below) return fail(below.error());
       if (!*below) continue;
-      auto child = write_tile(std::move(**below), depth + 1);
-      if (!child) return child;
-      node.children.push_back(std::move(*child));
+      children.push_back((*below)->facts);
+      if (auto r = write_tile(std::move(**below), depth + 1); !r) return r;
     }
-    if (depth > 0 && depth % levels_ == 0 && !node.facts.leaf) {
-      if (auto r = write_tileset(id + ".json", node, nullptr); !r) return fail(r.error());
-      node.children.clear();
-    }
-    return node;
+    return depth > 0 && facts.leaf ? Result<void>() : write_tileset(facts, children);
   }
 
-  Result<void> write_tileset(const std::string& name, const TileNode& node,
-                             const std::array<double, 16>* transform) {
+  Result<void> write_tileset(const TileFacts& tile, const std::vector<TileFacts>& children) {
     ++report_.tilesets;
-    const std::string text = tileset_json(node, transform);
-    return write(name, std::as_bytes(std::span(text)));
+    const std::string text = tileset_file(producer_, tile, children);
+    return write(tileset_name(tile.tile), std::as_bytes(std::span(text)));
   }
 
   Result<void> write(const std::string& name, std::span<const std::byte> bytes) {
@@ -69,15 +62,13 @@ class TileExport {
   TileProducer& producer_;
   TileFiles& files_;
   const TileProgress& progress_;
-  std::size_t levels_;
   TilesReport report_;
 };
 
 }  // namespace
 
-Result<TilesReport> export_tiles(TileProducer& producer, TileFiles& files, const TileProgress& progress,
-                                 std::size_t levels) {
-  return TileExport(producer, files, progress, levels).run();
+Result<TilesReport> export_tiles(TileProducer& producer, TileFiles& files, const TileProgress& progress) {
+  return TileExport(producer, files, progress).run();
 }
 
 Result<TilesReport> export_terrain(TerrainPyramid& pyramid, TileFiles& files, const TileProgress& progress) {
@@ -93,9 +84,7 @@ Result<TilesReport> export_terrain(TerrainPyramid& pyramid, TileFiles& files, co
       if (!mesh) return fail(mesh.error());
       auto bytes = TerrainPyramid::encode(*mesh);
       if (!bytes) return fail(bytes.error());
-      const std::string name =
-          std::to_string(id.z) + "/" + std::to_string(id.x) + "/" + std::to_string(id.y) + ".terrain";
-      if (auto r = files.add(name, *bytes); !r) return fail(r.error());
+      if (auto r = files.add(id.file_name(), *bytes); !r) return fail(r.error());
       ++report.tiles;
       report.leaves += level == pyramid.last_level();
       report.triangles += mesh->triangles.size();

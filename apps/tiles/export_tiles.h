@@ -20,12 +20,10 @@ struct TilesReport {
 /// Called after each tile.   @return an error to stop with.
 using TileProgress = std::function<Result<void>(const TilesReport&)>;
 
-/// Writes tileset.json, tilesets within it (one for each `levels` levels), and contents, as tileset_json()
-/// names them. Memory: the producer's cache, a tile, and some 200 bytes for each tile of the tileset being
-/// written and those around it.
+/// Writes tileset.json, a tileset for each tile that has children, and contents, as tileset_json() names
+/// them. Memory: the producer's cache and its knowledge of tiles, a tile, and some kilobytes for each level.
 /// @error of the producer, of `files`, of `progress`; invalid_input: no triangles.
-Result<TilesReport> export_tiles(TileProducer& producer, TileFiles& files, const TileProgress& progress,
-                                 std::size_t levels = 4);
+Result<TilesReport> export_tiles(TileProducer& producer, TileFiles& files, const TileProgress& progress);
 
 /// Writes layer.json and z/x/y.terrain.   @error of the pyramid, of `files`, of `progress`.
 Result<TilesReport> export_terrain(TerrainPyramid& pyramid, TileFiles& files, const TileProgress& progress);

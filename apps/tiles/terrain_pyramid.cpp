@@ -119,7 +119,16 @@ Result<std::vector<std::byte>> gzip(const std::vector<std::byte>& bytes) {
   return out;
 }
 
+bool is_placed(const Directory& directory, const std::optional<TerrainFacts>& facts) {
+  return facts && facts->bounds && TilePlacement(directory, facts).on_earth();
+}
+
 }  // namespace
+
+bool TerrainPyramid::is_possible(const Directory& directory) {
+  const auto facts = terrain_facts(directory.metadata);
+  return facts && is_placed(directory, *facts);
+}
 
 Result<std::unique_ptr<TerrainPyramid>> TerrainPyramid::open(const std::filesystem::path& file,
                                                              const TerrainOptions& options) {
@@ -127,8 +136,7 @@ Result<std::unique_ptr<TerrainPyramid>> TerrainPyramid::open(const std::filesyst
   if (!cut) return fail(cut.error());
   auto facts = terrain_facts((*cut)->directory().metadata);
   if (!facts) return fail(facts.error().code, file.string(), facts.error().place, facts.error().message);
-  const bool placed = *facts && TilePlacement((*cut)->directory(), *facts).on_earth() && (*facts)->bounds;
-  if (!placed)
+  if (!is_placed((*cut)->directory(), *facts))
     return fail(ErrorCode::invalid_input, file.string(), "",
                 "quantized-mesh needs a terrain whose place on the Earth is known; export it as 3dtiles");
   const GeoBox bounds = *(*facts)->bounds;

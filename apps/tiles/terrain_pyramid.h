@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "apps/tiles/quantized_mesh.h"
@@ -19,6 +20,9 @@ namespace cuesta::tiles {
 
 struct TerrainTileId {
   std::uint32_t z = 0, x = 0, y = 0;
+  std::string file_name() const {
+    return std::to_string(z) + "/" + std::to_string(x) + "/" + std::to_string(y) + ".terrain";
+  }
   friend auto operator<=>(const TerrainTileId&, const TerrainTileId&) = default;
 };
 
@@ -32,6 +36,9 @@ class TerrainPyramid {
   /// @error as Cut::open; invalid_input: no terrain, or one that is nowhere on the Earth.
   static Result<std::unique_ptr<TerrainPyramid>> open(const std::filesystem::path& file,
                                                       const TerrainOptions& options);
+
+  /// Whether open() would not refuse the file: a terrain whose place on the Earth is known.
+  static bool is_possible(const Directory& directory);
 
   std::uint32_t last_level() const { return last_level_; }
   /// All that there are, by level; they hold the terrain's bounds, and both tiles of level 0.

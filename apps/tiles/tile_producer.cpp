@@ -16,8 +16,6 @@ constexpr double earth_radius_m = 6.33e6;  // the least of the Earth's curves
 /// smaller tiles.
 constexpr int rungs_to_child = 2;
 
-constexpr int no_tile = -1;
-
 /// "t03-7". Leading zeros and signs are no names.
 std::optional<Tile> tile_of(const std::string& id) {
   const std::size_t dash = id.find('-');
@@ -32,21 +30,26 @@ std::optional<Tile> tile_of(const std::string& id) {
 }  // namespace
 
 TileProducer::TileProducer(std::unique_ptr<TileCut> cut, const std::optional<TerrainFacts>& facts,
-                           const TileOptions& options)
-    : cut_(std::move(cut)), options_(options), tree_(directory(), facts), placement_(directory(), facts) {
+                           const TileOptions& options, std::shared_ptr<KnownTiles> known)
+    : cut_(std::move(cut)),
+      options_(options),
+      tree_(directory(), facts),
+      placement_(directory(), facts),
+      known_(std::move(known)) {
   const double largest =
       static_cast<double>(decode_error(directory().pages.back().largest_error)) * directory().grid.step;
   while (error_of(coarsest_) < largest) ++coarsest_;
 }
 
 Result<std::unique_ptr<TileProducer>> TileProducer::open(const std::filesystem::path& file,
-                                                         const TileOptions& options) {
+                                                         const TileOptions& options,
+                                                         std::shared_ptr<KnownTiles> known) {
   CUESTA_CHECK(options.border_share > 0 && options.border_share <= 1, options.border_share);
   auto cut = TileCut::open(file, options.cache_bytes);
   if (!cut) return fail(cut.error());
   auto facts = terrain_facts((*cut)->directory().metadata);
   if (!facts) return fail(facts.error().code, file.string(), facts.error().place, facts.error().message);
-  return std::unique_ptr<TileProducer>(new TileProducer(std::move(*cut), *facts, options));
+  return std::unique_ptr<TileProducer>(new TileProducer(std::move(*cut), *facts, options, std::move(known)));
 }
 
 double TileProducer::error_of(int rung) const {
@@ -96,7 +99,7 @@ Result<std::optional<TileProducer::Fitted>> TileProducer::fit(const std::string&
   }
   if (!best) return fail(best.error());
   if (best->mesh.triangles.empty()) {
-    rungs_[path] = no_tile;
+    known_->keep(path, std::nullopt);
     return std::optional<Fitted>();
   }
   const auto fits = [this](const TilePiece& p) { return p.mesh.triangles.size() <= options_.triangles; };
@@ -117,8 +120,9 @@ Result<std::optional<TileProducer::Fitted>> TileProducer::fit(const std::string&
     best = std::move(finer);
     rung -= step;
   }
-  rungs_[path] = rung;
-  return std::optional<Fitted>(fitted(path, rung, std::move(*best)));
+  Fitted tile = fitted(path, rung, std::move(*best));
+  known_->keep(path, tile.facts);
+  return std::optional<Fitted>(std::move(tile));
 }
 
 Result<std::optional<TileProducer::Fitted>> TileProducer::root() {
@@ -129,51 +133,39 @@ Result<std::optional<TileProducer::Fitted>> TileProducer::child(const Tile& pare
   return fit(parent.path + digit, std::max(parent.rung - rungs_to_child, 0), parent.rung);
 }
 
-/// no_tile where there is none.
-Result<int> TileProducer::rung_of(const std::string& path) {
-  if (const auto known = rungs_.find(path); known != rungs_.end()) return known->second;
-  if (path.empty()) {
-    auto tile = root();
+Result<KnownTiles::Fact> TileProducer::fact_of(const std::string& path) {
+  if (const auto known = known_->find(path)) return *known;
+  const auto facts_only = [](Result<std::optional<Fitted>> tile) -> Result<KnownTiles::Fact> {
     if (!tile) return fail(tile.error());
-    return rungs_.at(path);
-  }
-  const std::string above = path.substr(0, path.size() - 1);
-  auto rung = rung_of(above);
-  if (!rung || *rung == no_tile) return rung;
-  const Tile parent{above, *rung};
-  const auto children = digits(parent);
-  if (std::find(children.begin(), children.end(), path.back()) == children.end()) return no_tile;
-  auto tile = child(parent, path.back());
-  if (!tile) return fail(tile.error());
-  return rungs_.at(path);
+    return *tile ? KnownTiles::Fact(std::move((*tile)->facts)) : KnownTiles::Fact();
+  };
+  if (path.empty()) return facts_only(root());
+  const auto above = fact_of(path.substr(0, path.size() - 1));
+  if (!above || !*above) return above;
+  const auto children = digits((*above)->tile);
+  if (std::find(children.begin(), children.end(), path.back()) == children.end()) return KnownTiles::Fact();
+  return facts_only(child((*above)->tile, path.back()));
+}
+
+Result<TileFacts> TileProducer::facts(const std::string& id) {
+  const auto tile = tile_of(id);
+  if (!tile || !tree_.range(tile->path)) return fail(ErrorCode::not_found, "", id, "no such tile");
+  auto fact = fact_of(tile->path);
+  if (!fact) return fail(fact.error());
+  if (!*fact || (*fact)->tile.rung != tile->rung) return fail(ErrorCode::not_found, "", id, "no such tile");
+  return std::move(**fact);
 }
 
 Result<TileProducer::Fitted> TileProducer::find(const std::string& id) {
-  const auto tile = tile_of(id);
-  const auto range = tile ? tree_.range(tile->path) : std::nullopt;
-  if (!range) return fail(ErrorCode::not_found, "", id, "no such tile");
-  const auto rung = rung_of(tile->path);
-  if (!rung) return fail(rung.error());
-  if (*rung != tile->rung) return fail(ErrorCode::not_found, "", id, "no such tile");
-  auto found = piece(*range, tile->rung);
+  auto known = facts(id);
+  if (!known) return fail(known.error());
+  auto found = piece(*tree_.range(known->tile.path), known->tile.rung);
   if (!found) return fail(found.error());
-  return fitted(tile->path, tile->rung, std::move(*found));
+  return Fitted{std::move(*known), std::move(found->mesh)};
 }
 
 std::vector<std::byte> TileProducer::content(Fitted&& tile) const {
   return encode_glb(std::move(tile.mesh), placement_, directory().has_colours).bytes;
-}
-
-Result<TileNode> TileProducer::with_children(const Tile& tile) {
-  auto found = find(tile.id());
-  if (!found) return fail(found.error());
-  TileNode node{std::move(found->facts), {}};
-  for (const char digit : digits(tile)) {
-    auto below = child(tile, digit);
-    if (!below) return fail(below.error());
-    if (*below) node.children.push_back({std::move((*below)->facts), {}});
-  }
-  return node;
 }
 
 }  // namespace cuesta::tiles

@@ -16,14 +16,14 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
+#include "apps/tiles/known_tiles.h"
 #include "apps/tiles/tile_cut.h"
 #include "apps/tiles/tile_placement.h"
 #include "apps/tiles/tile_tree.h"
-#include "apps/tiles/tile_volume.h"
 
 namespace cuesta::tiles {
 
@@ -33,36 +33,13 @@ struct TileOptions {
   std::uint64_t cache_bytes = std::uint64_t{1} << 30;
 };
 
-/// One tile of the tree, by its place and its error.
-struct Tile {
-  std::string path;  ///< TileTree's digits; empty: the root
-  int rung = 0;      ///< 0: full resolution, then errors that grow by √2
-
-  /// "t", "t03-7": its name in URLs.
-  std::string id() const { return "t" + path + "-" + std::to_string(rung); }
-};
-
-/// What its parent says of it.
-struct TileFacts {
-  Tile tile;
-  double geometric_error = 0;  ///< bound of the distance from the original's vertices, file's units
-  TileVolume volume;
-  double extent = 0;  ///< the diagonal of the content's box, file's units
-  std::uint64_t triangles = 0;
-  bool leaf = false;
-};
-
-/// A tile and what is below it, as far as it is known.
-struct TileNode {
-  TileFacts facts;
-  std::vector<TileNode> children;
-};
-
 class TileProducer {
  public:
   /// @error as Cut::open; corrupt: damaged facts of a terrain.
-  static Result<std::unique_ptr<TileProducer>> open(const std::filesystem::path& file,
-                                                    const TileOptions& options);
+  /// @param known  of other producers of the same file and the same options, but for their cache; not null.
+  static Result<std::unique_ptr<TileProducer>> open(
+      const std::filesystem::path& file, const TileOptions& options,
+      std::shared_ptr<KnownTiles> known = std::make_shared<KnownTiles>());
 
   struct Fitted {
     TileFacts facts;
@@ -71,20 +48,20 @@ class TileProducer {
 
   /// The root, the coarsest tile; nothing for a file without triangles.
   Result<std::optional<Fitted>> root();
+  /// Without its mesh, if it is known.
+  Result<KnownTiles::Fact> root_facts() { return fact_of(""); }
   /// The tile at a child's path; nothing if no surface is there.   @pre path is a child's of `parent`
   Result<std::optional<Fitted>> child(const Tile& parent, char digit);
   /// The digits to ask child() for; none for a leaf.
   std::vector<char> digits(const Tile& tile) const;
   /// A tile as Tile::id() names it. Names come from strangers, so one that was not given out yet is looked
-  /// for from the root on; a wrong one costs the children on its way, once, and 100 bytes for each.
+  /// for from the root on; a wrong one costs the children on its way, once.
   /// @error not_found: there is no such tile.
+  Result<TileFacts> facts(const std::string& id);
   Result<Fitted> find(const std::string& id);
 
   /// A binary glTF.
   std::vector<std::byte> content(Fitted&& tile) const;
-  /// The tile with its children, for tileset(): what a live server answers.
-  /// @cost about that of five contents of each child.
-  Result<TileNode> with_children(const Tile& tile);
 
   const TilePlacement& placement() const { return placement_; }
   const TileTree& tree() const { return tree_; }
@@ -92,11 +69,11 @@ class TileProducer {
 
  private:
   TileProducer(std::unique_ptr<TileCut> cut, const std::optional<TerrainFacts>& facts,
-               const TileOptions& options);
+               const TileOptions& options, std::shared_ptr<KnownTiles> known);
   double error_of(int rung) const;
   Result<std::optional<Fitted>> fit(const std::string& path, int first, int coarsest);
   Result<TilePiece> piece(const TileRange& range, int rung);
-  Result<int> rung_of(const std::string& path);
+  Result<KnownTiles::Fact> fact_of(const std::string& path);
   Fitted fitted(const std::string& path, int rung, TilePiece piece) const;
 
   std::unique_ptr<TileCut> cut_;
@@ -104,12 +81,13 @@ class TileProducer {
   TileTree tree_;
   TilePlacement placement_;
   int coarsest_ = 0;
-  std::unordered_map<std::string, int> rungs_;  // of tiles that are known, by path; nothing: no_tile
+  std::shared_ptr<KnownTiles> known_;
 };
 
-/// A tileset.json: of the tile, its children and theirs, as far as the node has them. What has children that
-/// the node does not list is a tileset of its own, Tile::id() + ".json"; contents are Tile::id() + ".glb".
-/// @param transform  TilePlacement::transform(), of the outermost; null for tilesets within it.
-std::string tileset_json(const TileNode& node, const std::array<double, 16>* transform);
+/// A tileset.json: of a tile and its children. A child that has children is a tileset of its own,
+/// Tile::id() + ".json", and so on; contents are Tile::id() + ".glb".
+/// @param transform  TilePlacement::transform(), of the root; null for tilesets within it.
+std::string tileset_json(const TileFacts& tile, std::span<const TileFacts> children,
+                         const std::array<double, 16>* transform);
 
 }  // namespace cuesta::tiles

@@ -105,7 +105,7 @@ TEST_F(ServedFolder, addresses) {
 TEST_F(ServedFolder, names_are_escaped_on_the_start_page) {
   std::filesystem::copy_file(folder / "served/sphere.cuesta", folder / "served/<b>&.cuesta");
   start();
-  const std::string page = serve::start_page(*catalogue->contents());
+  const std::string page = serve::start_page(*catalogue->contents(), true);
   EXPECT_EQ(page.find("<b>"), page.npos);
   EXPECT_NE(page.find("&lt;b&gt;&amp;"), page.npos);
   EXPECT_EQ(client().ask("/data/%3Cb%3E%26.cuesta", "Range: bytes=0-5\r\n").body, "CUESTA");

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "apps/tiles/tile_source.h"
 #include "tests/apps/tiles/made_tiles.h"
 
 namespace cuesta {
@@ -221,6 +222,18 @@ TEST_F(QuantizedMesh, layer_json_lists_the_tiles_that_are_written) {
   ASSERT_TRUE(report);
   ASSERT_TRUE(tiles::export_terrain(*pyramid, again, test::go_on));
   EXPECT_EQ(files.files, again.files);
+  const auto live = tiles::open_terrain_source(folder_ / "globe.cuesta", {0, std::uint64_t{1} << 30});
+  ASSERT_TRUE(live);
+  for (auto it = files.files.rbegin(); it != files.files.rend(); ++it) {
+    const auto made = (*live)->make(it->first);
+    ASSERT_TRUE(made) << it->first;
+    EXPECT_EQ(
+        std::string(reinterpret_cast<const char*>(made->front().bytes.data()), made->front().bytes.size()),
+        it->second);
+  }
+  for (const char* name : {"", "0/0/0", "0/00/0.terrain", "00/0/0.terrain", "0/0/1.terrain", "99/0/0.terrain",
+                           "4294967296/0/0.terrain", "-1/0/0.terrain", "0/0/0.terrain.gz", "0/0.terrain"})
+    EXPECT_EQ((*live)->make(name).error().code, ErrorCode::not_found) << name;
   const auto layer = nlohmann::json::parse(files.files.at("layer.json"));
   std::size_t listed = 0;
   for (std::size_t z = 0; z < layer["available"].size(); ++z)

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "apps/tiles/tile_source.h"
 #include "ooc/mesh_reader.h"
 #include "tests/apps/tiles/made_tiles.h"
 
@@ -182,23 +183,25 @@ TEST_F(Tiles3d, same_bytes_however_tiles_are_asked_for) {
   for (const auto& file : files()) {
     test::FilesInMemory first, second;
     auto producer = test::open_tiles(file, options());
-    ASSERT_TRUE(tiles::export_tiles(*producer, first, test::go_on, 2));
+    ASSERT_TRUE(tiles::export_tiles(*producer, first, test::go_on));
     TileOptions small_cache = options();
     small_cache.cache_bytes = 4u << 20;
     auto again = test::open_tiles(file, small_cache);
-    ASSERT_TRUE(tiles::export_tiles(*again, second, test::go_on, 2));
+    ASSERT_TRUE(tiles::export_tiles(*again, second, test::go_on));
     EXPECT_TRUE(first.finished);
     EXPECT_EQ(first.files, second.files);
-    // One at a time, by name, the last one first.
-    auto live = test::open_tiles(file, options());
+    // One at a time, by name, the last one first; what comes with it is the same, too.
+    auto live = tiles::open_tile_source(file, options(), std::make_shared<tiles::KnownTiles>());
+    ASSERT_TRUE(live);
     for (auto it = first.files.rbegin(); it != first.files.rend(); ++it) {
-      if (!it->first.ends_with(".glb")) continue;
-      auto tile = live->find(it->first.substr(0, it->first.size() - 4));
-      ASSERT_TRUE(tile) << it->first << ": " << tile.error().text();
-      const auto bytes = live->content(std::move(*tile));
-      EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), std::as_bytes(std::span(it->second)).begin(),
-                             std::as_bytes(std::span(it->second)).end()))
-          << it->first;
+      const auto made = (*live)->make(it->first);
+      ASSERT_TRUE(made) << it->first << ": " << made.error().text();
+      EXPECT_EQ(made->front().name, it->first);
+      for (const tiles::TileFile& f : *made) {
+        ASSERT_TRUE(first.files.contains(f.name)) << f.name;
+        const auto expected = std::as_bytes(std::span(first.files.at(f.name)));
+        EXPECT_TRUE(std::equal(f.bytes.begin(), f.bytes.end(), expected.begin(), expected.end())) << f.name;
+      }
     }
   }
 }
@@ -215,6 +218,12 @@ TEST_F(Tiles3d, names_that_are_no_tiles_are_not_found) {
         std::string("t-99999999999999999999"), std::string("t--1"), "t" + std::string(100000, '0') + "-0",
         std::string("t../../etc/passwd-0")})
     EXPECT_EQ(producer->find(id).error().code, ErrorCode::not_found) << id.substr(0, 40);
+  auto live =
+      tiles::open_tile_source(folder_ / "sphere.cuesta", options(), std::make_shared<tiles::KnownTiles>());
+  ASSERT_TRUE(live);
+  for (const std::string& name : {std::string(), std::string("tileset"), good, good + ".json", good + ".glb2",
+                                  std::string(".json"), std::string("layer.json"), std::string("t9-0.json")})
+    EXPECT_EQ((*live)->make(name).error().code, ErrorCode::not_found) << name;
 }
 
 /// Follows tileset.json and the tilesets that it refers to.
@@ -239,7 +248,7 @@ TEST_F(Tiles3d, tilesets_lead_to_every_content_once) {
   for (const auto& file : files()) {
     test::FilesInMemory files;
     auto producer = test::open_tiles(file, options());
-    const auto report = tiles::export_tiles(*producer, files, test::go_on, 1);
+    const auto report = tiles::export_tiles(*producer, files, test::go_on);
     ASSERT_TRUE(report);
     EXPECT_GT(report->tilesets, 3u);
     std::set<std::string> contents;
