@@ -10,12 +10,17 @@ export const packages = join(here, '../../apps/web/node_modules');
 export const web = process.env.CUESTA_WEB ?? join(here, '../../build/web');
 const executablePath = ['/usr/bin/chromium', '/usr/bin/chromium-browser'].find((p) => existsSync(p));
 
-/** What has to be installed or built first; nothing if all is there. */
-export function missing() {
+/** What has to be installed first; nothing if all is there. */
+export function missingBrowser() {
   if (!executablePath) return 'chromium (apt-get install chromium)';
-  if (!existsSync(join(web, 'page/index.html'))) return 'the built page (tools/web)';
   if (!existsSync(join(packages, 'playwright-core'))) return 'playwright-core (tools/web)';
   return undefined;
+}
+
+/** Or built. */
+export function missing() {
+  if (!existsSync(join(web, 'page/index.html'))) return 'the built page (tools/web)';
+  return missingBrowser();
 }
 
 /** Without a screen, drawing in software. */
