@@ -36,6 +36,18 @@ inline Vec3d map_normal(const Affine& a, Vec3d n) {
   return determinant(a) < 0 ? -turned : turned;
 }
 
+/// The map that undoes `a`; of one that flattens space, `a` itself.
+inline Affine inverse(const Affine& a) {
+  const double d = determinant(a);
+  if (d == 0) return a;
+  const Vec3d r0 = cross(a.columns[1], a.columns[2]) / d, r1 = cross(a.columns[2], a.columns[0]) / d,
+              r2 = cross(a.columns[0], a.columns[1]) / d;
+  Affine out;
+  out.columns = {Vec3d{r0.x, r1.x, r2.x}, Vec3d{r0.y, r1.y, r2.y}, Vec3d{r0.z, r1.z, r2.z}};
+  out.translation = -out.vector(a.translation);
+  return out;
+}
+
 /// The box around the image of a box; of an empty one, empty. @cost eight points
 inline Box3d map_box(const Affine& a, const Box3d& box) {
   Box3d out;

@@ -129,6 +129,30 @@ struct FlightPlan {
       flight.keyframes.push_back(key(seconds * t, eye, centre + along * (reach * (1.3 * t - 0.5))));
     }
   }
+
+  /// Times are tenths of the whole.
+  void walk_through(double seconds, Flight& flight) const {
+    const Vec3d far = fit_view(points, three_quarter_direction(frame.up), view).eye;
+    const double reach = length(far - centre);
+    const auto add = [&](double tenths, Vec3d eye, Vec3d target) {
+      flight.keyframes.push_back(key(seconds * tenths / 10, eye, target));
+    };
+    for (int i = 0; i <= 6; ++i) {
+      const double turn = 2 * std::numbers::pi * i / 6;
+      const Vec3d around = frame.right * std::sin(turn) + frame.front * std::cos(turn) + frame.up * 0.3;
+      add(i * 0.5, centre + around * reach, centre);
+    }
+    const Vec3d inside = centre + (far - centre) * 0.15;
+    add(4.5, inside, centre);
+    for (int i = 1; i <= 4; ++i) {
+      const double turn = std::numbers::pi / 2 * i;
+      const Vec3d ahead = frame.right * std::sin(turn) - frame.front * std::cos(turn);
+      const Vec3d aside = frame.right * std::cos(turn) + frame.front * std::sin(turn);
+      add(4.5 + i, inside, inside + ahead * (0.1 * reach));
+      add(4.65 + i, inside, inside + ahead * (0.1 * reach) + aside * (0.02 * reach));
+    }
+    add(10, far, centre);
+  }
 };
 
 }  // namespace
@@ -164,6 +188,7 @@ Flight make_flight(FlightKind kind, const FlightSubject& subject, const View& vi
   if (kind == FlightKind::orbit) plan.orbit(seconds, flight);
   if (kind == FlightKind::zoom_in) plan.zoom_in(seconds, flight);
   if (kind == FlightKind::fly_over) plan.fly_over(seconds, flight);
+  if (kind == FlightKind::walk_through) plan.walk_through(seconds, flight);
   return flight;
 }
 

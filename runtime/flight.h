@@ -37,10 +37,12 @@ double frame_time(const Flight& flight, std::uint64_t frame);
 View flight_view(const Flight& flight, double time_s, const View& size);
 
 enum class FlightKind : std::uint8_t {
-  orbit,     ///< once around at the height of a first picture
-  zoom_in,   ///< from a first picture to 1 % of the diagonal before a point of the surface, steadily in
-             ///< octaves
-  fly_over,  ///< from one end of the model to the other, close above it, looking ahead
+  orbit,         ///< once around at the height of a first picture
+  zoom_in,       ///< from a first picture to 1 % of the diagonal before a point of the surface, steadily in
+                 ///< octaves
+  fly_over,      ///< from one end of the model to the other, close above it, looking ahead
+  walk_through,  ///< around it, into its middle, a turn there in four jerks, and out: parts come into view
+                 ///< abruptly
 };
 
 /// What a generated flight is about.

@@ -40,18 +40,6 @@ double triangles_for_error(const ScenePartEntry& part, double allowed) {
   return double(part.triangles);
 }
 
-/// The inverse of a map that does not flatten; else the map itself, whose objects have no surface to see.
-Affine inverse(const Affine& a) {
-  const double d = determinant(a);
-  if (d == 0) return a;
-  const Vec3d r0 = cross(a.columns[1], a.columns[2]) / d, r1 = cross(a.columns[2], a.columns[0]) / d,
-              r2 = cross(a.columns[0], a.columns[1]) / d;
-  Affine out;
-  out.columns = {Vec3d{r0.x, r1.x, r2.x}, Vec3d{r0.y, r1.y, r2.y}, Vec3d{r0.z, r1.z, r2.z}};
-  out.translation = -out.vector(a.translation);
-  return out;
-}
-
 /// The same view as seen from within an instance.
 View view_within(const Affine& world, View view) {
   const Affine in = inverse(world);
@@ -67,6 +55,7 @@ View view_within(const Affine& world, View view) {
 LiveScene::LiveScene(const SceneDirectory& directory, SceneSources sources, const SceneSettings& settings,
                      Clock clock)
     : directory_(directory),
+      settings_(settings),
       clock_(std::move(clock)),
       instances_(instances_of(directory.scene)),
       pose_(directory.scene),
@@ -242,14 +231,15 @@ void LiveScene::group_toms() {
           {in.part, shown_[in.part].tom, c.block, static_cast<std::uint32_t>(drawn_.size()), 0, c.mirrored});
     ++groups_.back().count;
     const bool own_colours = directory_.parts[in.part].attributes.colours;
-    drawn_.push_back({pose_.world(in.node), own_colours
-                                                ? Rgba8{255, 255, 255, 255}
-                                                : directory_.scene.materials[in.material].base_colour});
+    const Rgba8 colour =
+        own_colours ? Rgba8{255, 255, 255, 255} : directory_.scene.materials[in.material].base_colour;
+    drawn_.push_back({pose_.world(in.node), colour, c.instance});
   }
 }
 
 void LiveScene::adapt_surfaces(const View& view, const SceneFrameOptions& options, SceneFrameReport& report) {
   surfaces_.clear();
+  surfaces_settled_ = true;
   for (std::size_t k = 0; k < visible_.size(); ++k) {
     Cut* const cut = cuts_[visible_[k]].get();
     if (!cut || r_[k] <= 0) continue;
@@ -265,9 +255,9 @@ void LiveScene::adapt_surfaces(const View& view, const SceneFrameOptions& option
     const AdaptReport adapted = cut->adapt(scale, options.tau_px, budgets);
     report.surface_bytes += adapted.resident_bytes;
     report.store.missing += adapted.pages_missing;
-    surfaces_.push_back({visible_[k],
-                         cut->draw_list(scale),
-                         {world, directory_.scene.materials[in.material].base_colour},
+    surfaces_settled_ = surfaces_settled_ && adapted.settled;
+    surfaces_.push_back({cut->draw_list(scale),
+                         {world, directory_.scene.materials[in.material].base_colour, visible_[k]},
                          within.eye,
                          determinant(world) < 0});
   }
@@ -286,6 +276,8 @@ void LiveScene::count_work(SceneFrameReport& report) {
   work_ = {double(report.drawn_objects), double(report.drawn_triangles), pixels_,
            double(report.changed_triangles)};
   const double wished = double(report.changed_triangles + indices_.denied_triangles() + denied_vertices_);
+  report.settled =
+      surfaces_settled_ && wished == 0 && report.store.missing <= report.store.waiting_for_budget;
   wished_changes_ += 0.3 * (wished - wished_changes_);
 }
 
@@ -311,6 +303,15 @@ SceneFrameReport LiveScene::frame(const View& view, const SceneFrameOptions& opt
   report.predicted_ms = costs_.predict_ms(work_);
   report.choice_ms = clock_() - start;
   return report;
+}
+
+void LiveScene::set_policy(PolicyKind policy) {
+  settings_.policy = policy;
+  policy_ = make_policy(settings_, costs_);
+}
+
+const Directory* LiveScene::surface_directory(std::uint32_t instance) const {
+  return cuts_[instance] ? &cuts_[instance]->directory() : nullptr;
 }
 
 void LiveScene::measured(double ms) {

@@ -71,12 +71,15 @@ struct SceneFrameReport {
   ResolutionOutcome outcome = ResolutionOutcome::full;
   StoreReport store;
   std::uint64_t surface_bytes = 0;  ///< resident, of large parts
+  /// All that was chosen is drawn: the next frame shows the same, unless view, pose or costs change.
+  bool settled = false;
 };
 
 /// An instance as it is drawn.
 struct DrawnInstance {
   Affine world;
   Rgba8 colour{255, 255, 255, 255};  ///< sRGB; multiplies the vertices'
+  std::uint32_t instance = 0;        ///< of LiveScene::instances(): the same in all frames
 };
 
 /// Instances of one part at one resolution.
@@ -89,7 +92,6 @@ struct DrawnGroup {
 };
 
 struct DrawnSurface {
-  std::uint32_t instance = 0;  ///< its number: the same in all frames
   DrawList list;
   DrawnInstance as;
   Vec3d eye;  ///< in the part's frame
@@ -115,6 +117,10 @@ class LiveScene {
   /// What the user cares about more or less, ≥ 0; 1 at first.   @pre node < nodes
   void set_weight(std::uint32_t node, float weight) { weight_[node] = weight; }
 
+  /// From the next frame on; what a policy learned is forgotten, what the cost model did is not.
+  void set_policy(PolicyKind policy);
+  PolicyKind policy() const { return settings_.policy; }
+
   /// Chooses what to draw: nothing in it waits for I/O, unless load_threads is 0.
   /// @post list() has every visible object of which anything is resident, but those below least_px, and,
   /// where not even the coarsest of all fit the deadline, those of least interest (outcome infeasible).
@@ -134,6 +140,10 @@ class LiveScene {
   Box3d bounds() const;  ///< of all instances where they are now
   const PartStore& store() const { return store_; }
   std::span<const SceneInstance> instances() const { return instances_; }
+  /// Around an instance where it was in the last frame.
+  const Ball& ball(std::uint32_t instance) const { return balls_[instance]; }
+  /// Of a large part's surface; null for TOMs.
+  const Directory* surface_directory(std::uint32_t instance) const;
 
  private:
   LiveScene(const SceneDirectory& directory, SceneSources sources, const SceneSettings& settings,
@@ -155,6 +165,7 @@ class LiveScene {
   void count_work(SceneFrameReport& report);
 
   const SceneDirectory& directory_;
+  SceneSettings settings_;
   Clock clock_;
   std::vector<SceneInstance> instances_;
   ScenePose pose_;
@@ -191,6 +202,7 @@ class LiveScene {
   std::vector<DrawnInstance> drawn_;
   std::vector<DrawnGroup> groups_;
   std::vector<DrawnSurface> surfaces_;
+  bool surfaces_settled_ = true;
   FrameWork work_;
 };
 

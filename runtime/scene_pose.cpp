@@ -19,6 +19,16 @@ void ScenePose::set_local(std::uint32_t node, const LocalTransform& local) {
   any_moved_ = true;
 }
 
+void ScenePose::move(std::uint32_t node, Vec3d by) {
+  CUESTA_CHECK(node < local_.size(), node, local_.size());
+  const std::uint32_t parent = scene_.nodes[node].parent;
+  const Affine outer = parent == no_index ? Affine{} : world_[parent];
+  if (determinant(outer) == 0) return;
+  LocalTransform local = local_[node];
+  std::visit([&](auto& l) { l.translation = l.translation + inverse(outer).vector(by); }, local);
+  set_local(node, local);
+}
+
 void ScenePose::set_clip_time(std::uint32_t clip, double seconds) {
   CUESTA_CHECK(clip < scene_.clips.size(), clip, scene_.clips.size());
   apply_clip(scene_.clips[clip], seconds, local_);

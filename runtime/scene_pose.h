@@ -18,6 +18,9 @@ class ScenePose {
   /// Puts a node somewhere in its parent; all below it move along. Takes effect with update().
   /// @pre node < nodes of the scene; the map is finite
   void set_local(std::uint32_t node, const LocalTransform& local);
+  /// Moves a node by a vector of the world, as things are since the last update().
+  /// @pre node < nodes of the scene   @post where a parent flattens space, it stays
+  void move(std::uint32_t node, Vec3d by);
   /// Puts the nodes that the clip moves to where they are at that time.   @pre clip < clips of the scene
   void set_clip_time(std::uint32_t clip, double seconds);
   /// Recomputes what moved and all below it.

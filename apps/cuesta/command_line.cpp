@@ -375,6 +375,24 @@ void add_look(CLI::App* app, Settings& s) {
              store(parse_colour, draw.surface_colour));
 }
 
+template <class Settings>
+void add_deadline(CLI::App* app, Settings& s) {
+  const char* group = "Scenes";
+  add_parsed(
+      app, "--policy", "HOW",
+      "resolutions of objects, frame by frame: predictive (the best that the deadline allows), stress\n"
+      "(follows what past frames took) or static (by size in the picture); default predictive",
+      one_of<PolicyKind>({{"predictive", PolicyKind::predictive},
+                          {"stress", PolicyKind::stress},
+                          {"static", PolicyKind::fixed}},
+                         s.policy))
+      ->group(group);
+  app->add_option("--deadline-ms", s.deadline_ms, "time of a frame; default 33")
+      ->type_name("MS")
+      ->check(CLI::Range(0.1, 1e6))
+      ->group(group);
+}
+
 void add_render(CLI::App& program, Common& common) {
   Command<RenderSettings> c(
       program, "render", "Renders pictures of a .cuesta file.",
@@ -414,20 +432,7 @@ void add_render(CLI::App& program, Common& common) {
                                        {"egl", OffscreenContext::egl},
                                        {"osmesa", OffscreenContext::osmesa}},
                                       s.context));
-  const char* group = "Scenes";
-  add_parsed(
-      c.app, "--policy", "HOW",
-      "resolutions of objects in a flight: predictive (the best that the deadline allows), stress (follows\n"
-      "what past frames took) or static (by size in the picture); default predictive",
-      one_of<PolicyKind>({{"predictive", PolicyKind::predictive},
-                          {"stress", PolicyKind::stress},
-                          {"static", PolicyKind::fixed}},
-                         s.policy))
-      ->group(group);
-  c.app->add_option("--deadline-ms", s.deadline_ms, "time of a frame of a flight; default 33")
-      ->type_name("MS")
-      ->check(CLI::Range(0.1, 1e6))
-      ->group(group);
+  add_deadline(c.app, s);
   c.app->add_flag("--settle", s.settle, "settle each frame of a flight: only the triangle budget then binds");
   c.app->add_flag("--stats-only", s.stats_only, "draw nothing: frames.csv and frames.svg only");
   add_quiet(c.app, s.quiet);
@@ -443,8 +448,11 @@ void add_view(CLI::App& program, Common& common) {
       program, "view", "Shows .cuesta files in a window.",
       "Several files are shown in one world, as they are; more can be dropped on the window. F1 shows what\n"
       "mouse and keys do: orbit (1), fly (2) and walk (3), tau, budgets, debug colours, pictures, flights.\n"
-      "Pictures and flights are saved in this folder. Ctrl-C saves a flight that is being recorded.\n\n"
+      "Pictures and flights are saved in this folder, a flight with a .csv of its frames. Ctrl-C saves one\n"
+      "that is being recorded.\n\n"
       "Each frame adapts once within the budgets; a still picture takes no time.\n\n"
+      "A scene is shown by itself, each frame within its deadline: policy (V) and deadline (; ') can be\n"
+      "changed, its clips played (M, O), and parts moved, by dragging them with Ctrl.\n\n"
       "Without a display: cuesta render.\n\n"
       "Examples:\n  cuesta view bunny.cuesta\n"
       "  cuesta view scan.cuesta --triangles 1000000 --cache 4G --size 1920x1080\n"
@@ -456,6 +464,7 @@ void add_view(CLI::App& program, Common& common) {
   c.app->add_flag("--full-screen", s.full_screen, "begin in full screen");
   add_render_budgets(c.app, s, {"4", "16M", "2", "250"});
   add_look(c.app, s);
+  add_deadline(c.app, s);
   add_path(c.app, "--flight", s.flight, "flight to play at the start (see cuesta flight)");
   c.app->add_option("--press", s.press, "keys to press at the start: names such as \"2 x f6\"")
       ->type_name("KEYS");
@@ -472,15 +481,18 @@ void add_flight(CLI::App& program, Common& common) {
       "move on Catmull–Rom splines through the keyframes.\n\n"
       "Terrain has its own up, and fly-over follows its ground, at a height above it, along a route;\n"
       "without one, along the longer side of its bounds.\n\n"
+      "A scene's walk-through goes around it, into its middle, turns there abruptly, and comes out.\n\n"
       "Examples:\n  cuesta flight bunny.cuesta --kind zoom-in --frames 120 -o zoom.json\n"
+      "  cuesta flight engine.cuesta --kind walk-through --frames 300 -o walk.json\n"
       "  cuesta flight alps.cuesta --kind fly-over --route 46.0 7.6 46.5 8.0 --height 800 -o alps.json");
   FlightSettings& s = *c.settings;
   add_path(c.app, "FILE", s.file, "a .cuesta file")->required();
   add_path(c.app, "-o,--output", s.output, "flight file to write")->required();
-  add_parsed(c.app, "--kind", "KIND", "orbit, zoom-in or fly-over; default orbit",
+  add_parsed(c.app, "--kind", "KIND", "orbit, zoom-in, fly-over or walk-through (of scenes); default orbit",
              one_of<FlightKind>({{"orbit", FlightKind::orbit},
                                  {"zoom-in", FlightKind::zoom_in},
-                                 {"fly-over", FlightKind::fly_over}},
+                                 {"fly-over", FlightKind::fly_over},
+                                 {"walk-through", FlightKind::walk_through}},
                                 s.kind));
   auto* frames = c.app->add_option("--frames", s.frames, "number of frames; default 300")
                      ->type_name("N")
@@ -524,6 +536,7 @@ void add_export(CLI::App& program, Common& common) {
       "\n"
       "Examples:\n  cuesta export bunny.cuesta -o small.ply --triangles 5000\n"
       "  cuesta export bunny.cuesta -o near.glb --camera \"eye 0,0.1,0.3 target 0,0.1,0\" --tau 1\n"
+      "  cuesta export engine.cuesta --node crankshaft --full -o crankshaft.glb\n"
       "  cuesta export alps.cuesta --format 3dtiles -o alps-tiles\n"
       "  cuesta export scan.cuesta -o scan.3tz\n"
       "  cuesta export alps.cuesta --format quantized-mesh -o alps-terrain");
@@ -555,6 +568,13 @@ void add_export(CLI::App& program, Common& common) {
                                });
   auto* full = c.app->add_flag("--full", s.full, "everything, at full resolution");
   auto* camera = add_camera(c.app, s.camera);
+  auto* node =
+      c.app
+          ->add_option("--node", s.node, "of a scene: nodes of this name, and all below them, where they are")
+          ->type_name("NAME");
+  c.app->add_option("--part", s.part, "of a scene: the part of this name, in its own frame")
+      ->type_name("NAME")
+      ->excludes(node);
   error->excludes(camera)->excludes(full);
   full->excludes(camera)->excludes(triangles);
   c.app->add_option("--tau", s.tau_px, "with --camera: screen-space error in pixels; default 1")

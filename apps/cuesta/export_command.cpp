@@ -67,7 +67,8 @@ Result<void> check_format(const ExportSettings& s) {
   }
   const bool tiles = s.format == ExportFormat::tiles_3d || s.format == ExportFormat::quantized_mesh;
   if (tiles && by_name == ExportFormat::by_name) return {};
-  return fail(ErrorCode::invalid_input, s.output.string(), "", "the name's extension is of another format than --format");
+  return fail(ErrorCode::invalid_input, s.output.string(), "",
+              "the name's extension is of another format than --format");
 }
 
 Result<void> export_tiles(const ExportSettings& s) {
@@ -123,6 +124,9 @@ Result<void> run_export(const ExportSettings& s) {
   const auto kind = ContainerReader::kind_of(s.file);
   if (!kind) return fail(kind.error());
   if (*kind == ContainerKind::scene) return run_scene_export(s);
+  if (!s.node.empty() || !s.part.empty())
+    return fail(ErrorCode::invalid_input, s.file.string(), "--node, --part",
+                "are for scenes; this is one surface");
   Progress progress(s.quiet);
   auto cut = open_cut(s.file, s.cache_bytes);
   if (!cut) return fail(cut.error());

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "apps/cuesta/text_forms.h"
 
@@ -19,9 +20,10 @@ struct ExportSettings {
   ExportFormat format = ExportFormat::by_name;
   std::uint32_t tile_triangles = 65535;  ///< of 3D Tiles
   double border_share = 0.25;            ///< of 3D Tiles
-  std::optional<double> error;  ///< world units
+  std::optional<double> error;           ///< world units
   std::optional<std::uint64_t> triangles;
   bool full = false;
+  std::string node, part;  ///< of a scene, at most one: only nodes of this name, or the part of this name
   std::optional<CameraText> camera;
   double tau_px = 1;          ///< with a camera
   double outside_factor = 1;  ///< with a camera: how much coarser what is outside the picture may be

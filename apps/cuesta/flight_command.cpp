@@ -8,7 +8,9 @@
 #include "apps/cuesta/terrain_settings.h"
 #include "apps/overview/sketch.h"
 #include "apps/sample/point_list.h"
+#include "apps/scene_show/scene_player.h"
 #include "apps/terrain_view/ground_flight.h"
+#include "ooc/container_file.h"
 #include "runtime/flight_file.h"
 #include "runtime/view_fit.h"
 
@@ -52,18 +54,37 @@ Result<Flight> flight_around(const FlightSettings& s, Cut& cut,
   return make_flight(s.kind, {points, surface}, view, s.frames, s.fps);
 }
 
-}  // namespace
+Result<void> check_words(const FlightSettings& s, bool over_ground) {
+  if (over_ground || (s.route.empty() && !(s.above_ground_m > 0))) return {};
+  return fail(ErrorCode::invalid_input, s.file.string(), "--route, --height",
+              "are for --kind fly-over of terrain, without --up");
+}
 
-Result<void> run_flight(const FlightSettings& s) {
+Result<Flight> surface_flight(const FlightSettings& s) {
   auto cut = open_cut(s.file, 0);
   if (!cut) return fail(cut.error());
   const auto look = look_of((*cut)->directory(), s.file, {}, s.exaggeration);
   if (!look) return fail(look.error());
   const bool over_ground = *look && s.kind == FlightKind::fly_over && !s.up_given;
-  if (!over_ground && (!s.route.empty() || s.above_ground_m > 0))
-    return fail(ErrorCode::invalid_input, s.file.string(), "--route, --height",
-                "are for --kind fly-over of terrain, without --up");
-  const auto flight = over_ground ? flight_over_ground(s, **look) : flight_around(s, **cut, *look);
+  if (auto r = check_words(s, over_ground); !r) return fail(r.error());
+  return over_ground ? flight_over_ground(s, **look) : flight_around(s, **cut, *look);
+}
+
+Result<Flight> scene_flight(const FlightSettings& s) {
+  if (auto r = check_words(s, false); !r) return fail(r.error());
+  const auto player = scene_show::ScenePlayer::open(s.file, {}, clock_ms);
+  if (!player) return fail(player.error());
+  const auto points = (*player)->sketch();
+  const Vec3d surface = surface_point(points, three_quarter_direction(s.view.up));
+  return make_flight(s.kind, {points, surface}, s.view, s.frames, s.fps);
+}
+
+}  // namespace
+
+Result<void> run_flight(const FlightSettings& s) {
+  const auto kind = ContainerReader::kind_of(s.file);
+  if (!kind) return fail(kind.error());
+  const auto flight = *kind == ContainerKind::scene ? scene_flight(s) : surface_flight(s);
   if (!flight) return fail(flight.error());
   if (auto r = write_flight(s.output, *flight); !r) return r;
   fmt::print("{}: {} keyframes, {} frames at {:g} fps\n", s.output.string(), flight->keyframes.size(),

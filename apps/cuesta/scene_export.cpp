@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "apps/cuesta/machine.h"
@@ -75,21 +76,55 @@ class ExportedPart {
   std::unique_ptr<Cut> cut_;
 };
 
+/// A part where the mesh shall have it.
+struct Piece {
+  std::uint32_t part = 0;
+  Affine world;
+  Rgba8 colour{255, 255, 255, 255};
+};
+
+Error nothing_named(const ExportSettings& s, const std::string& option, const std::string& name) {
+  return {ErrorCode::invalid_input, s.file.string(), option,
+          "nothing that can be seen is called \"" + name + "\"; cuesta info --parts tells the names"};
+}
+
+/// Nodes of the name, and all below them; all nodes without one.
+Result<std::vector<Piece>> pieces_of_nodes(const SceneFile& file, const ExportSettings& s) {
+  const std::vector<Affine> world = world_transforms(file.directory().scene);
+  std::vector<bool> wanted;
+  for (const SceneNode& node : file.nodes())
+    wanted.push_back(s.node.empty() || node.name == s.node ||
+                     (node.parent != no_index && wanted[node.parent]));
+  std::vector<Piece> pieces;
+  for (const SceneInstance& i : file.instances())
+    if (wanted[i.node]) pieces.push_back({i.part, world[i.node], file.materials()[i.material].base_colour});
+  if (pieces.empty() && !s.node.empty()) return fail(nothing_named(s, "--node", s.node));
+  return pieces;
+}
+
+/// The part of the name, with the material of its first instance.
+Result<std::vector<Piece>> piece_of_part(const SceneFile& file, const ExportSettings& s) {
+  const auto parts = file.parts();
+  for (const SceneInstance& i : file.instances())
+    if (parts[i.part].name == s.part)
+      return std::vector<Piece>{{i.part, {}, file.materials()[i.material].base_colour}};
+  return fail(nothing_named(s, "--part", s.part));
+}
+
 class SceneExport {
  public:
-  SceneExport(const SceneFile& file, std::vector<ExportedPart> parts)
-      : file_(file), parts_(std::move(parts)), world_(world_transforms(file.directory().scene)) {}
+  SceneExport(std::vector<Piece> pieces, std::map<std::uint32_t, ExportedPart> parts)
+      : pieces_(std::move(pieces)), parts_(std::move(parts)) {}
 
   std::uint64_t triangles(double error) {
     std::uint64_t sum = 0;
-    for (const SceneInstance& i : file_.instances()) sum += parts_[i.part].triangles(local(i, error));
+    for (const Piece& p : pieces_) sum += parts_.at(p.part).triangles(local(p, error));
     return sum;
   }
 
   /// The least error, to a thousandth, whose triangles are not more.
-  double error_of(std::uint64_t most) {
-    const Box3d box = world_box(file_.directory());
-    double high = std::max(length(box.hi - box.lo), 1e-30), low = high * 1e-9;
+  double error_of(std::uint64_t most, double diagonal) {
+    double high = std::max(diagonal, 1e-30), low = high * 1e-9;
     if (triangles(low) <= most) return low;
     while (high > low * 1.001) {
       const double middle = std::sqrt(low * high);
@@ -100,33 +135,31 @@ class SceneExport {
 
   Result<SurfaceMesh> mesh(double error) {
     SurfaceMesh all;
-    for (const SceneInstance& i : file_.instances()) {
-      const auto part = parts_[i.part].mesh(local(i, error));
+    for (const Piece& p : pieces_) {
+      const auto part = parts_.at(p.part).mesh(local(p, error));
       if (!part) return fail(part.error());
-      if (auto r = append(*part, world_[i.node], file_.materials()[i.material], all); !r)
-        return fail(r.error());
+      if (auto r = append(*part, p, all); !r) return fail(r.error());
     }
     return all;
   }
 
  private:
-  double local(const SceneInstance& i, double error) const {
-    return error < 0 ? -1 : error / std::max(stretch(world_[i.node]), std::numeric_limits<double>::min());
+  static double local(const Piece& p, double error) {
+    return error < 0 ? -1 : error / std::max(stretch(p.world), std::numeric_limits<double>::min());
   }
 
-  static Result<void> append(const SurfaceMesh& part, const Affine& world, const SceneMaterial& material,
-                             SurfaceMesh& all) {
+  static Result<void> append(const SurfaceMesh& part, const Piece& p, SurfaceMesh& all) {
     const std::uint64_t first = all.positions.size();
     if (first + part.positions.size() >= std::numeric_limits<std::uint32_t>::max())
       return fail(ErrorCode::out_of_budget, "", "",
                   "more than 2^32 vertices do not fit one mesh; allow an error");
     for (std::size_t v = 0; v < part.positions.size(); ++v) {
-      all.positions.push_back(world.point(part.positions[v]));
+      all.positions.push_back(p.world.point(part.positions[v]));
       const Vec3d n = part.normals.empty() ? Vec3d{} : vec_cast<double>(part.normals[v]);
-      all.normals.push_back(vec_cast<float>(normalized(map_normal(world, n))));
-      all.colours.push_back(part.colours.empty() ? material.base_colour : part.colours[v]);
+      all.normals.push_back(vec_cast<float>(normalized(map_normal(p.world, n))));
+      all.colours.push_back(part.colours.empty() ? p.colour : part.colours[v]);
     }
-    const bool is_mirrored = determinant(world) < 0;
+    const bool is_mirrored = determinant(p.world) < 0;
     for (auto t : part.triangles) {
       if (is_mirrored) std::swap(t[1], t[2]);
       for (std::uint32_t& v : t) v += static_cast<std::uint32_t>(first);
@@ -135,21 +168,22 @@ class SceneExport {
     return {};
   }
 
-  const SceneFile& file_;
-  std::vector<ExportedPart> parts_;
-  std::vector<Affine> world_;
+  std::vector<Piece> pieces_;
+  std::map<std::uint32_t, ExportedPart> parts_;
 };
 
-Result<std::vector<ExportedPart>> open_parts(const SceneFile& file, const ExportSettings& s,
-                                             Progress& progress) {
+/// Each part once that is among the pieces.
+Result<std::map<std::uint32_t, ExportedPart>> open_parts(const SceneFile& file, std::span<const Piece> pieces,
+                                                         const ExportSettings& s, Progress& progress) {
   const std::uint64_t cache = s.cache_bytes > 0 ? s.cache_bytes : physical_memory_bytes() / 2;
-  std::vector<ExportedPart> parts;
-  for (std::uint32_t p = 0; p < file.parts().size(); ++p) {
-    if (!progress.update("read", Unit::none, p, file.parts().size()))
+  std::map<std::uint32_t, ExportedPart> parts;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    if (!progress.update("read", Unit::none, i, pieces.size()))
       return fail(ErrorCode::cancelled, s.file.string(), "", "stopped");
-    auto part = ExportedPart::open(file, p, cache);
+    if (parts.contains(pieces[i].part)) continue;
+    auto part = ExportedPart::open(file, pieces[i].part, cache);
     if (!part) return fail(part.error());
-    parts.push_back(std::move(*part));
+    parts.emplace(pieces[i].part, std::move(*part));
   }
   return parts;
 }
@@ -176,13 +210,18 @@ Result<void> run_scene_export(const ExportSettings& s) {
                 "a scene is exported with --error, --triangles or --full, not for a camera");
   const auto file = SceneFile::open(s.file);
   if (!file) return fail(file.error());
+  auto pieces = s.part.empty() ? pieces_of_nodes(*file, s) : piece_of_part(*file, s);
+  if (!pieces) return fail(pieces.error());
   Progress progress(s.quiet);
-  auto parts = open_parts(*file, s, progress);
+  auto parts = open_parts(*file, *pieces, s, progress);
   if (!parts) return fail(parts.error());
-  SceneExport scene(*file, std::move(*parts));
+  Box3d box;
+  for (const Piece& p : *pieces) box.add(map_box(p.world, file->parts()[p.part].box));
+  SceneExport scene(std::move(*pieces), std::move(*parts));
   progress.update("write", Unit::none, 0, 0);
   double error = s.full ? -1 : s.error.value_or(0);
-  if (s.triangles) error = std::max(error, scene.error_of(*s.triangles));
+  if (s.triangles)
+    error = std::max(error, scene.error_of(*s.triangles, box.empty() ? 0 : length(box.hi - box.lo)));
   const auto mesh = scene.mesh(error);
   if (!mesh) return fail(mesh.error());
   if (auto r = write_mesh(s.output, *mesh); !r) return r;

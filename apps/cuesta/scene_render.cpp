@@ -35,8 +35,12 @@ Result<std::unique_ptr<ScenePlayer>> open_player(const RenderSettings& s) {
   settings.draw = s.draw;
   settings.draw.shading = s.shading.value_or(Shading::lit);
   settings.draw.surface_colour = {255, 255, 255, 255};  // materials have colours
-  if (!s.stats_only) settings.context = s.context;
-  return ScenePlayer::open(s.file, settings, clock_ms);
+  auto player = ScenePlayer::open(s.file, settings, clock_ms);
+  if (!player || s.stats_only) return player;
+  auto context = make_offscreen_context(s.context);
+  if (!context) return fail(context.error());
+  if (auto r = (*player)->draw_into(std::move(*context)); !r) return fail(r.error());
+  return player;
 }
 
 View still_view(const RenderSettings& s, const ScenePlayer& player) {

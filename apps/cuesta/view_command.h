@@ -10,6 +10,7 @@
 #include "apps/cuesta/text_forms.h"
 #include "runtime/cut.h"
 #include "runtime/draw/renderer.h"
+#include "runtime/live_scene.h"
 
 namespace cuesta::app {
 
@@ -26,8 +27,10 @@ struct ViewSettings {
   std::uint64_t cache_bytes = 1ull << 30;  ///< of all files together
   std::uint32_t load_threads = 2;          ///< of each file; 0: frames wait for pages
   DrawOptions draw;
-  std::optional<Shading> shading;  ///< none: relief for terrain, lit for the rest
-  double exaggeration = 1;         ///< of a terrain's heights
+  std::optional<Shading> shading;              ///< none: relief for terrain, lit for the rest
+  double exaggeration = 1;                     ///< of a terrain's heights
+  PolicyKind policy = PolicyKind::predictive;  ///< of a scene
+  double deadline_ms = 33;                     ///< of a scene's frame
   bool full_screen = false;
   std::filesystem::path flight;      ///< played at the start
   std::string press;                 ///< names of keys, pressed one a frame at the start
@@ -35,6 +38,7 @@ struct ViewSettings {
   bool exit = false;                 ///< close after flight and screenshot
 };
 
+/// Shows surfaces, several in one world, or one scene.
 /// Returns when the window is closed, or a stop is asked for; a recording in progress is saved then.
 /// @error of reading the files; not_found or io where no window can be opened; of writing the screenshot.
 Result<void> run_view(const ViewSettings& settings);

@@ -24,13 +24,14 @@ Result<std::unique_ptr<ScenePlayer>> ScenePlayer::open(const std::filesystem::pa
   player->scene_ = std::move(*scene);
   const Box3d box = player->scene_->bounds();
   if (!box.empty()) player->nearest_ = std::max(nearest_share * length(box.hi - box.lo), 1e-300);
-  if (!settings.context) return player;
-  auto context = make_offscreen_context(*settings.context);
-  if (!context) return fail(context.error());
-  auto renderer = SceneRenderer::create(std::move(*context));
-  if (!renderer) return fail(renderer.error());
-  player->renderer_ = std::move(*renderer);
   return player;
+}
+
+Result<void> ScenePlayer::draw_into(std::unique_ptr<GlContext> context) {
+  auto renderer = SceneRenderer::create(std::move(context));
+  if (!renderer) return fail(renderer.error());
+  renderer_ = std::move(*renderer);
+  return {};
 }
 
 Result<void> ScenePlayer::draw(const View& view) {

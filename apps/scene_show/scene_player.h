@@ -16,7 +16,6 @@ namespace cuesta::scene_show {
 struct PlayerSettings {
   SceneSettings scene;
   DrawOptions draw;
-  std::optional<OffscreenContext> context;  ///< none: nothing is drawn, only chosen
 };
 
 struct PlayedFrame {
@@ -28,15 +27,21 @@ struct PlayedFrame {
 
 class ScenePlayer {
  public:
-  /// @error of opening the file, a large part, or the context
+  /// Nothing is drawn yet, only chosen.   @error of opening the file or a large part
   static Result<std::unique_ptr<ScenePlayer>> open(const std::filesystem::path& path,
                                                    const PlayerSettings& settings, Clock clock);
+  /// From now on frames are drawn.   @error of the driver
+  Result<void> draw_into(std::unique_ptr<GlContext> context);
+  /// How they are drawn.
+  DrawOptions& look() { return settings_.draw; }
 
   /// Draws some frames at several resolutions from each view, and fits the cost model to what they took. The
   /// cache is warm for these views then.
   Result<void> calibrate(std::span<const View> views, const SceneFrameOptions& options);
   /// One frame; cost model and policy learn from it.
   Result<PlayedFrame> play(const View& view, const SceneFrameOptions& options, double time_s = 0);
+  /// Draws what the last frame has chosen once more, as seen from `view`.
+  Result<void> draw(const View& view);
   /// Draws what a settled frame shows.
   Result<PlayedFrame> settle(const View& view, const SceneFrameOptions& options);
   Result<Picture> picture() { return renderer_->read(); }
@@ -50,7 +55,6 @@ class ScenePlayer {
  private:
   ScenePlayer(SceneFile file, const PlayerSettings& settings, Clock clock)
       : file_(std::move(file)), settings_(settings), clock_(std::move(clock)) {}
-  Result<void> draw(const View& view);
 
   SceneFile file_;
   PlayerSettings settings_;

@@ -25,7 +25,7 @@ constexpr std::array bindings{
     Binding{Action::tau_coarser, key_of(']'), Key::unknown, nullptr, ""},
     Binding{Action::fewer_triangles, key_of(','), Key::unknown, ", .", "fewer, more triangles"},
     Binding{Action::more_triangles, key_of('.'), Key::unknown, nullptr, ""},
-    Binding{Action::less_time, key_of(';'), Key::unknown, "; '", "less, more adapt time"},
+    Binding{Action::less_time, key_of(';'), Key::unknown, "; '", "less, more adapt time; scene: frame time"},
     Binding{Action::more_time, key_of('\''), Key::unknown, nullptr, ""},
     Binding{Action::lit, key_of('L'), Key::unknown, "L", "lit"},
     Binding{Action::wireframe, key_of('X'), Key::f2, "X F2", "wireframe"},
@@ -36,6 +36,9 @@ constexpr std::array bindings{
     Binding{Action::flatter, key_of('-'), Key::unknown, "- =", "terrain: flatter, steeper"},
     Binding{Action::steeper, key_of('='), Key::unknown, nullptr, ""},
     Binding{Action::page_borders, key_of('B'), Key::f6, "B F6", "borders of pages"},
+    Binding{Action::policy, key_of('V'), Key::unknown, "V", "scene: another policy of resolutions"},
+    Binding{Action::clip_play, key_of('M'), Key::unknown, "M", "scene: play the clip; again: hold it"},
+    Binding{Action::clip_next, key_of('O'), Key::unknown, "O", "scene: another clip"},
     Binding{Action::geomorph, key_of('G'), Key::unknown, "G", "blends between levels"},
     Binding{Action::freeze, key_of('Z'), Key::unknown, "Z", "freeze the triangles"},
     Binding{Action::screenshot, key_of('K'), Key::f12, "K F12", "save a picture"},
@@ -74,6 +77,7 @@ std::vector<std::string> help_lines() {
   add("right drag", "sideways (also shift)");
   add("wheel", "nearer what is under the pointer");
   add("double click", "turn about what is there");
+  add("Ctrl drag", "scene: move a part");
   lines.push_back("FLY, WALK");
   add("drag", "look around");
   add("W A S D", "move; arrows do, too");

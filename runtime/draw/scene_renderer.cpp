@@ -242,7 +242,7 @@ void GlSceneRenderer::draw_group(const DrawnGroup& group) {
 }
 
 void GlSceneRenderer::draw_surface(const DrawnSurface& surface, const View& view, GLint anchor) {
-  Surface& s = surfaces_[surface.instance];
+  Surface& s = surfaces_[surface.as.instance];
   if (!s.object) s.object = std::make_unique<GpuObject>(gl_);
   s.used = picture_;
   const UploadCount sent = s.object->upload(surface.list);

@@ -60,6 +60,53 @@ TEST_F(SceneCommand, builds_tells_verifies_and_exports) {
   }
 }
 
+TEST_F(SceneCommand, exports_what_a_name_says) {
+  const std::string in = write(
+      "named.glb", triangle_glb(
+                       R"([{"name":"group","translation":[0,0,7],"children":[1,2]},{"name":"a","mesh":0},
+      {"name":"b","mesh":0,"translation":[5,0,0]},{"name":"a","mesh":0,"translation":[0,9,0]}])",
+                       ""));
+  const std::string out = folder_ / "named.cuesta", ply = folder_ / "named.ply";
+  ASSERT_EQ(run_words({"build", in, "-o", out, "--quiet"}).status, 0);
+  const auto box = [&](std::vector<std::string> words) {
+    std::vector<std::string> all{"export", out, "--full", "-o", ply};
+    all.insert(all.end(), words.begin(), words.end());
+    const auto exported = run_words(all);
+    EXPECT_EQ(exported.status, 0) << exported.err;
+    const auto mesh = load_mesh(ply, memory);
+    Box3d around;
+    for (const Vec3d& p : mesh.value().positions) around.add(p);
+    return around;
+  };
+  EXPECT_EQ(box({}).hi, (Vec3d{6, 10, 7}));
+  EXPECT_LT(length(box({"--node", "b"}).lo - Vec3d{5, 0, 7}), 1e-9);
+  EXPECT_EQ(box({"--node", "b"}).hi, (Vec3d{6, 1, 7}));
+  EXPECT_EQ(box({"--node", "group"}).hi, (Vec3d{6, 1, 7})) << "and what is below it";
+  EXPECT_EQ(box({"--node", "a"}).hi, (Vec3d{1, 10, 7})) << "all of this name";
+  const auto none = run_words({"export", out, "--full", "-o", ply, "--node", "nothing"});
+  EXPECT_EQ(none.status, 5);
+  EXPECT_NE(none.err.find("\"nothing\""), std::string::npos) << none.err;
+}
+
+TEST_F(SceneCommand, exports_a_part_in_its_own_frame) {
+  std::filesystem::create_directory(folder_ / "parts");
+  write("parts/one.obj", "v 1 0 0\nv 2 0 0\nv 1 1 0\nf 1 2 3\n");
+  write("parts/two.obj", "v 1 0 5\nv 4 0 5\nv 1 1 5\nf 1 2 3\n");
+  const std::string out = folder_ / "parts.cuesta", obj = folder_ / "part.obj";
+  ASSERT_EQ(run_words({"build", folder_ / "parts", "-o", out, "--quiet"}).status, 0);
+  const json told = json::parse(run_words({"info", out, "--json", "--parts"}).out);
+  const std::string name = told["part_list"][1]["name"];
+  const auto exported = run_words({"export", out, "--full", "-o", obj, "--part", name});
+  ASSERT_EQ(exported.status, 0) << exported.err;
+  const auto mesh = load_mesh(obj, memory);
+  ASSERT_TRUE(mesh);
+  EXPECT_EQ(mesh->triangles.size(), 1u);
+  Box3d box;
+  for (const Vec3d& p : mesh->positions) box.add(p);
+  EXPECT_NEAR(box.hi.x - box.lo.x, 3, 1e-6);
+  EXPECT_EQ(run_words({"export", out, "--full", "-o", obj, "--part", "three"}).status, 5);
+}
+
 TEST_F(SceneCommand, is_up_to_date_until_a_byte_changes) {
   const std::string in = two_triangles(), out = folder_ / "two.cuesta";
   ASSERT_EQ(run_words({"build", in, "-o", out, "--quiet"}).status, 0);

@@ -6,10 +6,12 @@
 #include <numeric>
 
 #include "apps/view/budget_shares.h"
+#include "apps/view/flight_player.h"
 #include "apps/view/flight_recorder.h"
 #include "apps/view/statistics_text.h"
 #include "apps/view/surface_ray.h"
 #include "apps/view/view_keys.h"
+#include "apps/view/view_script.h"
 
 namespace cuesta::test {
 namespace {
@@ -90,6 +92,33 @@ TEST(FlightRecorder, NothingRecordedIsNoFlight) {
   const auto still = recorder.finish();
   ASSERT_TRUE(still);
   EXPECT_EQ(still->keyframes.size(), 1u);
+}
+
+TEST(FlightPlayer, EndsWhereTheFlightEnds) {
+  FlightPlayer player;
+  EXPECT_FALSE(player.has_flight());
+  player.set({30, {{0, {0, 0, 10}, {0, 0, 0}}, {2, {4, 0, 10}, {4, 0, 0}}}});
+  EXPECT_FALSE(player.playing());
+  player.start(100);
+  EXPECT_NEAR(player.view(101, {}).eye.x, 2, 1e-9);
+  EXPECT_TRUE(player.playing());
+  EXPECT_NEAR(player.view(103, {}).eye.x, 4, 1e-9);
+  EXPECT_FALSE(player.playing());
+}
+
+TEST(ViewScript, GoesStepByStep) {
+  auto script = ViewScript::of({"x f2", true, true, true}).value();
+  EXPECT_EQ(script.next(true), ScriptStep::press);
+  EXPECT_EQ(script.key(), key_of('X'));
+  EXPECT_EQ(script.next(true), ScriptStep::press);
+  EXPECT_EQ(script.key(), Key::f2);
+  EXPECT_EQ(script.next(false), ScriptStep::fly) << "keys and flights do not wait";
+  EXPECT_EQ(script.next(false), ScriptStep::none) << "a picture does";
+  EXPECT_TRUE(script.busy());
+  EXPECT_EQ(script.next(true), ScriptStep::picture);
+  EXPECT_EQ(script.next(true), ScriptStep::close);
+  EXPECT_FALSE(script.busy());
+  EXPECT_EQ(ViewScript::of({"x f99", false, false, false}).error().code, ErrorCode::invalid_input);
 }
 
 TEST(BudgetShares, SumsNeverExceedTheWhole) {

@@ -105,6 +105,31 @@ TEST(ViewFit, OnePointHasACamera) {
   EXPECT_GT(length(view.eye - view.target), 0);
 }
 
+/// What is behind someone in the middle comes into view within a few frames.
+TEST(MakeFlight, AWalkThroughTurnsInTheMiddle) {
+  std::vector<Vec3d> points;
+  for (int corner = 0; corner < 8; ++corner)
+    points.push_back({corner & 1 ? 2.0 : -2.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 3.0 : -3.0});
+  for (const Vec3d up : {Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}) {
+    View view;
+    view.up = up;
+    const Flight flight = make_flight(FlightKind::walk_through, {points, points[0]}, view, 301, 30);
+    EXPECT_EQ(frame_count(flight), 301u);
+    double least = 1e9, most_turn = 0;
+    Vec3d last{};
+    for (std::uint64_t i = 0; i < 301; ++i) {
+      const View at = flight_view(flight, frame_time(flight, i), view);
+      const Vec3d looks = normalized(at.target - at.eye);
+      if (i > 0) most_turn = std::max(most_turn, std::acos(std::min(1.0, dot(looks, last))));
+      last = looks;
+      least = std::min(least, length(at.eye));
+    }
+    EXPECT_LT(least, 2);
+    EXPECT_GT(most_turn, 0.05);
+    EXPECT_NEAR(length(flight.keyframes.front().eye), length(flight.keyframes[3].eye), 1e-9);
+  }
+}
+
 TEST(FlightFile, LeavesOutWhatHasADefault) {
   const auto flight = parse(R"({"keyframes": [{"t": 0, "eye": [0,0,1], "target": [0,0,0]}]})");
   ASSERT_TRUE(flight) << flight.error().text();

@@ -49,6 +49,20 @@ TEST(ScenePose, WhatIsSetToWhereItIsHasNotMoved) {
   EXPECT_TRUE(updated(pose).empty());
 }
 
+TEST(ScenePose, MovesByVectorsOfTheWorld) {
+  Scene scene = chain();
+  // The parent turns x to y and doubles.
+  scene.nodes[0].local = Affine{{Vec3d{0, 2, 0}, Vec3d{-2, 0, 0}, Vec3d{0, 0, 2}}, {1, 0, 0}};
+  ScenePose pose(scene);
+  const Vec3d before = pose.world(2).translation;
+  pose.move(2, {1, 2, 3});
+  EXPECT_EQ(updated(pose), (std::vector<std::uint32_t>{2}));
+  EXPECT_LT(length(pose.world(2).translation - before - Vec3d{1, 2, 3}), 1e-12);
+  pose.move(0, {5, 0, 0});
+  EXPECT_EQ(updated(pose), (std::vector<std::uint32_t>{0, 1, 2}));
+  EXPECT_LT(length(pose.world(2).translation - before - Vec3d{6, 2, 3}), 1e-12);
+}
+
 TEST(ScenePose, FollowsAClip) {
   Scene scene = chain();
   SceneChannel channel;

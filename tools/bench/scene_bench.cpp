@@ -8,12 +8,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
-#include <numbers>
 
 #include "apps/plot/svg_plot.h"
 #include "apps/scene_show/scene_frames.h"
 #include "runtime/flight.h"
-#include "runtime/view_fit.h"
 
 namespace {
 
@@ -50,33 +48,11 @@ View sized(const Settings& s) {
   return view;
 }
 
-/// Around it, in, a full turn on the spot in four jerks, and out again.
 Flight walk(const ScenePlayer& player, const Settings& s) {
+  constexpr double seconds = 10;
   const auto points = player.sketch();
-  const Box3d box = box_of(points);
-  const Vec3d middle = (box.lo + box.hi) * 0.5;
-  const View far = fit_view(points, three_quarter_direction({0, 1, 0}), sized(s));
-  const double r = length(far.eye - middle);
-  Flight flight;
-  const auto add = [&](double time_s, Vec3d eye, Vec3d target) {
-    flight.keyframes.push_back({time_s, eye, target});
-  };
-  for (int i = 0; i <= 6; ++i) {
-    const double turn = 2 * std::numbers::pi * i / 6;
-    add(i * 0.5, middle + Vec3d{r * std::sin(turn), 0.3 * r, r * std::cos(turn)}, middle);
-  }
-  const Vec3d inside = middle + (far.eye - middle) * 0.15;
-  add(4.5, inside, middle);
-  for (int i = 1; i <= 4; ++i) {
-    const double turn = std::numbers::pi / 2 * i;
-    const Vec3d ahead = inside + r * 0.1 * Vec3d{std::sin(turn), 0, -std::cos(turn)};
-    add(4.5 + i, inside, ahead);
-    add(4.5 + i + 0.15, inside,
-        inside + (ahead - inside) + r * 0.02 * Vec3d{std::cos(turn), 0, std::sin(turn)});
-  }
-  add(10, far.eye, middle);
-  flight.fps = s.frames / flight.keyframes.back().time_s;
-  return flight;
+  return make_flight(FlightKind::walk_through, {points, points.front()}, sized(s), s.frames + 1,
+                     s.frames / seconds);
 }
 
 /// One instance in ten swings about where it is.
@@ -95,8 +71,8 @@ std::vector<PlayedFrame> play(const Settings& s, PolicyKind policy, double deadl
   settings.scene.cache_bytes = s.cache_mib << 20;
   settings.draw.antialias = false;
   settings.draw.surface_colour = {255, 255, 255, 255};
-  settings.context = OffscreenContext::osmesa;
   const auto player = value_of(ScenePlayer::open(s.file, settings, clock_ms));
+  if (auto ok = player->draw_into(value_of(make_osmesa_context())); !ok) value_of<int>(fail(ok.error()));
   const Flight flight = walk(*player, s);
   SceneFrameOptions options;
   options.deadline_ms = deadline_ms;
