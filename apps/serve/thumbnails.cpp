@@ -61,9 +61,11 @@ class Artist {
     settings.draw.background = background;
     settings.draw.shading = Shading::lit;
     settings.draw.surface_colour = {255, 255, 255, 255};  // materials have colours
-    settings.context = OffscreenContext::osmesa;
     auto player = scene_show::ScenePlayer::open(set.file->descriptor.path(), settings, [] { return 0.0; });
     if (!player) return fail(player.error());
+    auto context = make_osmesa_context();
+    if (!context) return fail(context.error());
+    if (auto r = (*player)->draw_into(std::move(*context)); !r) return fail(r.error());
     SceneFrameOptions options;
     options.tau_px = tau_px;
     options.uniform = 1;
