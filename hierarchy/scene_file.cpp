@@ -36,18 +36,26 @@ SceneFile::SceneFile(std::shared_ptr<const ContainerReader> container, SceneDire
       instances_(instances_of(directory_.scene)) {}
 
 Result<SceneFile> SceneFile::open(const std::filesystem::path& path) {
-  auto container = ContainerReader::open(path, ContainerKind::scene);
+  return open(ContainerReader::open(path, ContainerKind::scene));
+}
+
+Result<SceneFile> SceneFile::open(std::shared_ptr<const ByteSource> source) {
+  return open(ContainerReader::open(std::move(source), ContainerKind::scene));
+}
+
+Result<SceneFile> SceneFile::open(Result<ContainerReader> container) {
   if (!container) return fail(container.error());
   const BlockRef& block = container->directory();
   const auto bytes = container->read(block);
   if (!bytes) return fail(bytes.error());
   auto directory = decode_scene_directory(*bytes, block.offset + block.bytes);
   if (!directory) {
-    directory.error().file = path.string();
+    directory.error().file = container->path().string();
     return fail(directory.error());
   }
   if (lay_out(*directory, block.offset + block.bytes) != container->whole_bytes())
-    return fail(ErrorCode::corrupt, path.string(), "directory", "its blocks do not add up to the file");
+    return fail(ErrorCode::corrupt, container->path().string(), "directory",
+                "its blocks do not add up to the file");
   return SceneFile(std::make_shared<const ContainerReader>(std::move(*container)), std::move(*directory));
 }
 

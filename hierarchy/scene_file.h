@@ -19,6 +19,8 @@ class SceneFile {
   /// Reads and checks header and directory. A file that ends behind its directory is opened: see is_whole().
   /// @error not_found, io, corrupt, unsupported_version; invalid_input for a .cuesta file of a surface.
   static Result<SceneFile> open(const std::filesystem::path& path);
+  /// @param source  shared with whoever delivers its bytes.
+  static Result<SceneFile> open(std::shared_ptr<const ByteSource> source);
 
   std::span<const SceneNode> nodes() const { return directory_.scene.nodes; }
   std::span<const SceneMaterial> materials() const { return directory_.scene.materials; }
@@ -47,6 +49,7 @@ class SceneFile {
   Result<CuestaFile> open_surface(std::uint32_t part) const;
 
  private:
+  static Result<SceneFile> open(Result<ContainerReader> container);
   SceneFile(std::shared_ptr<const ContainerReader> container, SceneDirectory directory);
   std::shared_ptr<const ContainerReader> container_;  ///< shared with the surfaces that were opened from it
   SceneDirectory directory_;

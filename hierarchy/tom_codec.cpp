@@ -87,9 +87,8 @@ class Children {
   }
   /// Ascending, those from `r` on.
   std::span<const std::uint32_t> of(std::uint32_t v, Resolution r) const {
-    const auto end = children_.begin() + starts_[v + 1];
-    const auto first = std::lower_bound(children_.begin() + starts_[v], end, r);
-    return {first, end};
+    const auto all = std::span(children_).subspan(starts_[v], starts_[v + 1] - starts_[v]);
+    return all.subspan(static_cast<std::size_t>(std::lower_bound(all.begin(), all.end(), r) - all.begin()));
   }
 
  private:

@@ -29,6 +29,8 @@ class DeliveredBytes final : public ByteSource {
   void deliver(std::uint64_t offset, std::vector<std::byte> bytes) { pieces_[offset] = std::move(bytes); }
   /// True if one piece holds all of the range.
   bool has(ByteRange range) const { return piece_with(range) != nullptr; }
+  /// Forgets the piece that begins there.
+  void forget(std::uint64_t offset) { pieces_.erase(offset); }
   /// Forgets all pieces.
   void forget() { pieces_.clear(); }
   /// What the last read lacked; nothing if it succeeded.

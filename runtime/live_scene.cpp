@@ -64,7 +64,8 @@ LiveScene::LiveScene(const SceneDirectory& directory, SceneSources sources, cons
       weight_(directory.scene.nodes.size(), 1.0f),
       cuts_(instances_.size()),
       store_(directory.parts, std::move(sources.tom),
-             settings.cache_bytes / (has_surfaces(directory) ? 2 : 1), settings.load_threads),
+             settings.cache_bytes / (has_surfaces(directory) ? 2 : 1), settings.load_threads,
+             std::move(sources.tom_at_hand)),
       indices_(settings.index_bytes),
       policy_(make_policy(settings, costs_)),
       shown_(directory.parts.size()),
@@ -333,6 +334,20 @@ Box3d LiveScene::bounds() const {
   for (const SceneInstance& in : instances_)
     box.add(map_box(pose_.world(in.node), directory_.parts[in.part].box));
   return box;
+}
+
+std::vector<Vec3d> LiveScene::corners() const {
+  std::vector<Vec3d> points;
+  for (const SceneInstance& in : instances_) {
+    const Box3d& box = directory_.parts[in.part].box;
+    if (box.empty()) continue;
+    const Affine& world = pose_.world(in.node);
+    for (int corner = 0; corner < 8; ++corner)
+      points.push_back(world.point({corner & 1 ? box.hi.x : box.lo.x, corner & 2 ? box.hi.y : box.lo.y,
+                                    corner & 4 ? box.hi.z : box.lo.z}));
+  }
+  if (points.empty()) points = {{0, 0, 0}, {1, 1, 1}};
+  return points;
 }
 
 }  // namespace cuesta

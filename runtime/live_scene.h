@@ -27,6 +27,7 @@ struct SceneSources {
   PrefixReader tom;
   /// A large part as a cut of its own, for one instance.
   std::function<Result<std::unique_ptr<Cut>>(std::uint32_t part, std::uint64_t cache_bytes)> surface;
+  PrefixAtHand tom_at_hand = {};  ///< empty: all is
 };
 
 enum class PolicyKind : std::uint8_t { predictive, stress, fixed };
@@ -138,6 +139,8 @@ class LiveScene {
   SceneFrameReport settle(const View& view, const SceneFrameOptions& options, int most = 1000);
 
   Box3d bounds() const;  ///< of all instances where they are now
+  /// Corners of the instances' boxes where they are now, to place cameras. Never empty.
+  std::vector<Vec3d> corners() const;
   const PartStore& store() const { return store_; }
   std::span<const SceneInstance> instances() const { return instances_; }
   /// Around an instance where it was in the last frame.

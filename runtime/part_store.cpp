@@ -5,6 +5,7 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <utility>
 
 #ifndef __EMSCRIPTEN__
 #include <condition_variable>
@@ -15,6 +16,11 @@
 #include "ooc/check.h"
 
 namespace cuesta {
+namespace {
+
+constexpr std::uint32_t most_asked = 64;
+
+}  // namespace
 
 struct PartStore::Job {
   std::uint32_t part, have_segments, segments;
@@ -29,7 +35,8 @@ struct PartStore::Done {
 /// Threads that run jobs; without any, the caller does.
 class PartStore::Loader {
  public:
-  Loader(PrefixReader reader, std::uint32_t threads) : reader_(std::move(reader)) {
+  Loader(PrefixReader reader, std::uint32_t threads, PrefixAtHand at_hand)
+      : reader_(std::move(reader)), at_hand_(std::move(at_hand)) {
 #ifndef __EMSCRIPTEN__
     for (std::uint32_t i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
 #else
@@ -38,9 +45,10 @@ class PartStore::Loader {
   }
 #ifdef __EMSCRIPTEN__
   void add(Job job) {
-    done_.push_back(run(job));
+    run_or_keep(std::move(job));
   }
   std::optional<Done> next() {
+    run_kept();
     return take();
   }
   void wait() {}
@@ -54,7 +62,7 @@ class PartStore::Loader {
     for (std::thread& t : threads_) t.join();
   }
   void add(Job job) {
-    if (threads_.empty()) return done_.push_back(run(job));
+    if (threads_.empty()) return run_or_keep(std::move(job));
     {
       const std::lock_guard lock(mutex_);
       queue_.push_back(std::move(job));
@@ -63,6 +71,7 @@ class PartStore::Loader {
   }
   std::optional<Done> next() {
     const std::lock_guard lock(mutex_);
+    run_kept();
     return take();
   }
   void wait() {
@@ -72,6 +81,16 @@ class PartStore::Loader {
 #endif
 
  private:
+  void run_or_keep(Job job) {
+    if (at_hand_ && !at_hand_(job.part, job.have_segments, job.segments))
+      kept_.push_back(std::move(job));
+    else
+      done_.push_back(run(job));
+  }
+  void run_kept() {
+    for (Job& job : std::exchange(kept_, {})) run_or_keep(std::move(job));
+  }
+
   std::optional<Done> take() {
     if (done_.empty()) return {};
     Done done = std::move(done_.front());
@@ -118,16 +137,21 @@ class PartStore::Loader {
   std::vector<std::thread> threads_;
 #endif
   PrefixReader reader_;
+  PrefixAtHand at_hand_;
+  std::vector<Job> kept_;  // for what is not at hand
   std::deque<Done> done_;
 };
 
 PartStore::PartStore(std::span<const ScenePartEntry> parts, PrefixReader reader, std::uint64_t bytes,
-                     std::uint32_t threads)
+                     std::uint32_t threads, PrefixAtHand at_hand)
     : entries_(parts),
       limit_(bytes),
-      width_(threads == 0 ? 1'000'000 : 32 * threads),  // as many as a frame may take to come round
+      // As many as a frame may take to come round; of what is asked for, few enough to follow a camera.
+      width_(at_hand        ? most_asked
+             : threads == 0 ? 1'000'000
+                            : 32 * threads),
       parts_(parts.size()),
-      loader_(std::make_unique<Loader>(std::move(reader), threads)) {}
+      loader_(std::make_unique<Loader>(std::move(reader), threads, std::move(at_hand))) {}
 
 PartStore::~PartStore() = default;
 

@@ -20,6 +20,11 @@ namespace cuesta {
 using PrefixReader = std::function<Result<Tom>(std::uint32_t part, const Tom* have,
                                                std::uint32_t have_segments, std::uint32_t segments)>;
 
+/// Whether what the reader of these segments reads is at hand. Where it is not it has been asked for
+/// elsewhere, and the segments are read when it has come.
+using PrefixAtHand =
+    std::function<bool(std::uint32_t part, std::uint32_t have_segments, std::uint32_t segments)>;
+
 struct StoreReport {
   std::uint64_t resident_bytes = 0;       ///< ≤ the budget, with what is under way
   std::uint32_t loaded = 0, evicted = 0;  ///< segments, in this update
@@ -32,8 +37,9 @@ class PartStore {
   /// @param parts   outlive the store; those that are no TOM are never asked for
   /// @param bytes   for TOMs: arrays as of tom.h
   /// @param threads that read and decode; 0: update() does it, and waits for it
+  /// @param at_hand  empty: all is.   @pre no threads where it is not empty
   PartStore(std::span<const ScenePartEntry> parts, PrefixReader reader, std::uint64_t bytes,
-            std::uint32_t threads);
+            std::uint32_t threads, PrefixAtHand at_hand = {});
   ~PartStore();
 
   /// In this frame so much of the part would be drawn. The largest of a frame's wishes counts.

@@ -85,18 +85,4 @@ Result<PlayedFrame> ScenePlayer::settle(const View& view, const SceneFrameOption
   return frame;
 }
 
-std::vector<Vec3d> ScenePlayer::sketch() const {
-  std::vector<Vec3d> points;
-  for (const SceneInstance& in : scene_->instances()) {
-    const Box3d& box = file_.parts()[in.part].box;
-    if (box.empty()) continue;
-    const Affine& world = scene_->pose().world(in.node);
-    for (int corner = 0; corner < 8; ++corner)
-      points.push_back(world.point({corner & 1 ? box.hi.x : box.lo.x, corner & 2 ? box.hi.y : box.lo.y,
-                                    corner & 4 ? box.hi.z : box.lo.z}));
-  }
-  if (points.empty()) points = {{0, 0, 0}, {1, 1, 1}};
-  return points;
-}
-
 }  // namespace cuesta::scene_show

@@ -50,7 +50,7 @@ class ScenePlayer {
   const SceneFile& file() const { return file_; }
   SceneRenderer* renderer() { return renderer_.get(); }  ///< null where nothing is drawn
   /// Corners of the scene's box, and the middles of some instances: to place cameras. Never empty.
-  std::vector<Vec3d> sketch() const;
+  std::vector<Vec3d> sketch() const { return scene_->corners(); }
 
  private:
   ScenePlayer(SceneFile file, const PlayerSettings& settings, Clock clock)

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "ooc/check.h"
-#include "ooc/oct_normal.h"
 #include "runtime/draw/camera_matrices.h"
 #include "runtime/draw/frame_state.h"
 #include "runtime/draw/frame_target.h"
@@ -15,6 +14,7 @@
 #include "runtime/draw/gpu_object.h"
 #include "runtime/draw/surface_shaders.h"
 #include "runtime/draw/text_painter.h"
+#include "runtime/draw/tom_vertices.h"
 
 namespace cuesta {
 namespace {
@@ -41,18 +41,6 @@ InstanceRow row_of(const DrawnInstance& instance, const Grid& grid, Vec3i anchor
   const Vec3f tint = linear_from_srgb(instance.colour);
   row.tint = {tint.x, tint.y, tint.z, 1};
   return row;
-}
-
-Grid grid_of(const Tom& tom) {
-  return {tom.origin, tom.step};
-}
-
-DrawVertex vertex_of(const Tom& tom, std::size_t v) {
-  const auto whole = [&](float x) { return static_cast<std::int32_t>(std::lround(double(x) / tom.step)); };
-  const auto code = encode_oct(tom.normals.empty() ? Vec3f{} : tom.normals[v], 16);
-  const Vec3f p = tom.positions[v];
-  return {whole(p.x), whole(p.y), whole(p.z),
-          code[0],    code[1],    tom.colours.empty() ? Rgba8{255, 255, 255, 255} : tom.colours[v]};
 }
 
 /// A part's vertices on the GPU, with the arrays that say how they are read.

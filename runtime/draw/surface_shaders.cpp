@@ -403,8 +403,8 @@ ShaderSources surface_shaders(Shading shading, bool fragment_depth, ShaderDialec
           shading == Shading::wireframe ? head + wireframe_geometry_text : "", head + fragment_text};
 }
 
-ShaderSources instance_shaders(Shading shading, bool fragment_depth) {
-  const std::string head = head_of(fragment_depth) + define_of(shading) + "#define TWO_SIDED\n";
+ShaderSources instance_shaders(Shading shading, bool fragment_depth, ShaderDialect dialect) {
+  const std::string head = head_of(fragment_depth, dialect) + define_of(shading) + "#define TWO_SIDED\n";
   return {head + shared_vertex_text + instance_vertex_text,
           shading == Shading::wireframe ? head + wireframe_geometry_text : "", head + fragment_text};
 }

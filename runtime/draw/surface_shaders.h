@@ -24,7 +24,8 @@ ShaderSources surface_shaders(Shading shading, bool fragment_depth,
 /// For instances of parts: `anchor`, and the instance's map and tint as attributes. Both sides have the
 /// surface's colour: parts of scenes are often open, and wound either way.
 /// @param shading  lit, wireframe or normals
-ShaderSources instance_shaders(Shading shading, bool fragment_depth);
+ShaderSources instance_shaders(Shading shading, bool fragment_depth,
+                               ShaderDialect dialect = ShaderDialect::core_330);
 /// Writes `page` + 1 into an unsigned integer target; 0 is left where nothing is drawn.
 ShaderSources page_number_shaders(bool fragment_depth);
 

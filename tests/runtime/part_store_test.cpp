@@ -1,5 +1,7 @@
 #include "runtime/part_store.h"
 
+#include <set>
+
 #include "runtime/index_cache.h"
 #include "tests/runtime/small_scene.h"
 
@@ -48,6 +50,28 @@ TEST(PartStore, FirstSegmentsComeFirst) {
   for (std::uint32_t p = 0; p < 6; ++p) store.want(p, 1e9, 1);
   store.update();
   for (std::uint32_t p = 0; p < 6; ++p) EXPECT_NE(store.tom(p), nullptr) << p;
+}
+
+TEST(PartStore, WhatIsNotAtHandIsReadWhenItHasCome) {
+  const auto scene = balls(3);
+  std::set<std::uint32_t> here;
+  int asked = 0;
+  const auto at_hand = [&](std::uint32_t part, std::uint32_t have, std::uint32_t segments) {
+    EXPECT_EQ(segments, have + 1);
+    asked += !here.contains(part);
+    return here.contains(part);
+  };
+  PartStore store(scene->directory.parts, scene->reader(), 1 << 30, 0, at_hand);
+  EXPECT_EQ(settle(store, 3, 1e9).missing, 3u);
+  EXPECT_GT(asked, 3);
+  here = {1};
+  EXPECT_EQ(settle(store, 3, 1e9).missing, 2u);
+  EXPECT_EQ(store.tom(0), nullptr);
+  EXPECT_EQ(store.tom(1)->full(), scene->toms[1].full());
+  here = {0, 1, 2};
+  EXPECT_EQ(settle(store, 3, 1e9).missing, 0u);
+  EXPECT_EQ(store.tom(2)->full(), scene->toms[2].full());
+  EXPECT_TRUE(store.errors().empty());
 }
 
 TEST(PartStore, NeverExceedsItsBytes) {
