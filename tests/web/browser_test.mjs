@@ -11,7 +11,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { here, launch, missing, packages, web } from './chromium.mjs';
 import { inked, ssim } from './compare.mjs';
-import { buildScan, buildTerrain } from './inputs.mjs';
+import { buildEarth, buildScan, buildScene, buildTerrain } from './inputs.mjs';
 import { serve } from './range_server.mjs';
 
 const cuesta = process.env.CUESTA_EXECUTABLE;
@@ -29,11 +29,15 @@ let host;
 let browser;
 let scan;
 let terrain;
+let scene; // undefined where there are no shared data
+let earth;
 
 before(async () => {
   mkdirSync(out, { recursive: true });
   scan = buildScan(cuesta, folder);
   terrain = buildTerrain(cuesta, folder);
+  scene = buildScene(cuesta, folder);
+  earth = buildEarth(cuesta, folder);
   host = await serve({
     '/': join(web, 'page'),
     '/client/': join(web, 'client'),
@@ -111,17 +115,17 @@ async function drawn(page) {
 }
 
 /** What the program draws of the same view, and how many triangles it says that takes. */
-async function drawnNatively(page, file, view, tau) {
+async function drawnNatively(page, file, view, tau, ...options) {
   const camera = ['eye', 'target', 'up'].map((k) => `${k} ${view[k].join(',')}`).join(' ');
   const png = join(folder, 'native.png');
   const said = execFileSync(
     cuesta,
     ['render', join(folder, file), '-o', png, '--tau', `${tau}`, '--camera', camera, '--quiet', '--context', 'osmesa'].concat(
-      ['--size', `${view.width}x${view.height}`, '--fov', `${(view.fovY * 180) / Math.PI}`],
+      ['--size', `${view.width}x${view.height}`, '--fov', `${(view.fovY * 180) / Math.PI}`, ...options],
     ),
     { encoding: 'utf8' },
   );
-  copyFileSync(png, join(out, `${file}.native.png`));
+  copyFileSync(png, join(out, `${[file, ...options].join('')}.native.png`));
   const text = await page.evaluate(async (address) => {
     const image = await createImageBitmap(await (await fetch(address)).blob());
     const canvas = new OffscreenCanvas(image.width, image.height);
@@ -132,7 +136,7 @@ async function drawnNatively(page, file, view, tau) {
     for (let i = 0; i < data.length; i += 8192) text += String.fromCharCode(...data.subarray(i, i + 8192));
     return btoa(text);
   }, '/data/native.png');
-  return { pixels: Buffer.from(text, 'base64'), triangles: Number(/([\d,]+) triangles/.exec(said)[1].replaceAll(',', '')) };
+  return { pixels: Buffer.from(text, 'base64'), triangles: Number(/: ([\d,]+)/.exec(said)[1].replaceAll(',', '')) };
 }
 
 /** @param mostBytes  of the file, to the first picture: header, directory and base page. */
@@ -156,27 +160,105 @@ async function looksAsNatively(t, file, mostBytes) {
 
 test('a scan is the native picture', (t) => looksAsNatively(t, scan, 300_000));
 test('a terrain is the native picture', (t) => looksAsNatively(t, terrain, 400_000));
+test('a scene is the native picture', (t) => (scene ? looksAsNatively(t, scene, 300_000) : t.skip('no shared data')));
+test('the Earth is the native picture', (t) => (earth ? looksAsNatively(t, earth, 300_000) : t.skip('no shared data')));
+
+test('the Earth refines under a wheel', async (t) => {
+  if (!earth) return t.skip('no shared data');
+  const page = await visit(t, `/?data=/data/${earth}#tau=2`);
+  await settled(page);
+  const far = await facts(page);
+  await page.mouse.move(400, 200);
+  for (let i = 0; i < 4; ++i) await page.mouse.wheel(0, -200);
+  await settled(page);
+  const near = await facts(page);
+  assert.notDeepEqual(near.view.eye, far.view.eye);
+  const here = await drawn(page);
+  const native = await drawnNatively(page, earth, near.view, 2);
+  writeFileSync(join(out, 'earth-near.png'), await page.screenshot());
+  const alike = ssim(here.pixels, native.pixels, here.width, here.height);
+  t.diagnostic(
+    `Earth: ${far.report.triangles} triangles from afar, ${near.report.triangles} from near, SSIM ${alike.toFixed(4)}; ` +
+      `${far.traffic.bytes}, then ${near.traffic.bytes} of ${near.file.bytes} bytes`,
+  );
+  assert.ok(near.traffic.bytes > far.traffic.bytes, 'pages for it are fetched');
+  assert.ok(alike >= 0.98, `SSIM ${alike}`);
+});
+
+/** Round about the target, as near as `nearest` of the way in the middle; @returns the most of each number of the reports. */
+const fly = (page, frames, nearest) =>
+  page.evaluate(
+    async ([frames, nearest]) => {
+      const { viewer } = await import('/page.js');
+      const start = viewer.view;
+      const worst = { triangles: 0, residentBytes: 0, uploadBytes: 0 };
+      const told = viewer.onStep;
+      viewer.onStep = () => {
+        for (const k of Object.keys(worst)) worst[k] = Math.max(worst[k], viewer.report[k]);
+      };
+      for (let i = 0; i < frames; ++i) {
+        const near = 1 - (1 - nearest) * Math.sin((Math.PI * i) / (1.1 * frames));
+        const turn = (3 * i) / frames;
+        const arm = start.eye.map((c, k) => (c - start.target[k]) * near);
+        const eye = [arm[0] * Math.cos(turn) + arm[2] * Math.sin(turn), arm[1], arm[2] * Math.cos(turn) - arm[0] * Math.sin(turn)];
+        viewer.view = { ...viewer.view, eye: eye.map((c, k) => c + start.target[k]) };
+        await new Promise(requestAnimationFrame);
+      }
+      viewer.onStep = told;
+      return worst;
+    },
+    [frames, nearest],
+  );
+
+test('a flight through a scene refines, within its budgets', async (t) => {
+  if (!scene) return t.skip('no shared data');
+  const page = await visit(t, `/?data=/data/${scene}#memory=32&triangles=30000&tau=4`);
+  await settled(page);
+  const before = await facts(page);
+  const flight = await fly(page, 60, 0.4);
+  await page.evaluate(async () => {
+    const { viewer } = await import('/page.js');
+    viewer.aim.tau = 0.5;
+    viewer.changed();
+  });
+  await settled(page);
+  const after = await facts(page);
+  t.diagnostic(
+    `scene: ${before.report.triangles}, in flight at most ${flight.triangles}, then ${after.report.triangles} triangles; ` +
+      `${flight.residentBytes} bytes of parts; ${before.firstBytes}, ${before.traffic.bytes}, ${after.traffic.bytes} of ` +
+      `${after.file.bytes} bytes; module ${after.traffic.memoryBytes}`,
+  );
+  assert.ok(after.report.triangles > before.report.triangles, 'refined');
+  assert.ok(Math.max(flight.triangles, after.report.triangles) <= 30_000);
+  assert.ok(flight.residentBytes <= 32 * 2 ** 20);
+  assert.ok(before.traffic.bytes < after.traffic.bytes, 'what the view needs is fetched');
+  assert.ok(after.traffic.memoryBytes <= 128 * 2 ** 20, `module: ${after.traffic.memoryBytes}`);
+  assert.equal(after.report.failedPages, 0);
+  writeFileSync(join(out, 'scene-flight.png'), await page.screenshot());
+});
+
+for (const kind of ['scan', 'scene'])
+  test(`edges of a ${kind} can be seen`, async (t) => {
+    const file = kind === 'scan' ? scan : scene;
+    if (!file) return t.skip('no shared data');
+    const page = await visit(t, `/?data=/data/${file}#tau=6`);
+    await settled(page);
+    const plain = await drawn(page);
+    await page.selectOption('#shading', 'wireframe');
+    await settled(page);
+    const edges = await drawn(page);
+    const native = await drawnNatively(page, file, (await facts(page)).view, 6, '--shading', 'wireframe');
+    writeFileSync(join(out, `${kind}-edges.png`), await page.screenshot());
+    const [to, from] = [plain, edges].map((p) => ssim(p.pixels, native.pixels, p.width, p.height));
+    t.diagnostic(`${kind}: SSIM with the native wireframe ${from.toFixed(3)}, without edges ${to.toFixed(3)}`);
+    assert.ok(from > to + 0.02, 'it looks more like the native wireframe');
+    assert.ok(ssim(plain.pixels, edges.pixels, edges.width, edges.height) < 0.98);
+  });
 
 test('a flight refines, within its budgets', async (t) => {
   const page = await visit(t, `/?data=/data/${scan}#memory=32&triangles=60000&blend=100`);
   await settled(page);
-  const flight = await page.evaluate(async () => {
-    const { viewer } = await import('/page.js');
-    const start = viewer.view;
-    const worst = { triangles: 0, residentBytes: 0, uploadBytes: 0 };
-    viewer.onStep = () => {
-      for (const k of Object.keys(worst)) worst[k] = Math.max(worst[k], viewer.report[k]);
-    };
-    for (let i = 0; i < 90; ++i) {
-      const near = 1 - 0.9 * Math.sin((Math.PI * i) / 100);
-      const turn = i / 30;
-      const arm = start.eye.map((c, k) => (c - start.target[k]) * near);
-      const eye = [arm[0] * Math.cos(turn) + arm[2] * Math.sin(turn), arm[1], arm[2] * Math.cos(turn) - arm[0] * Math.sin(turn)];
-      viewer.view = { ...viewer.view, eye: eye.map((c, k) => c + start.target[k]) };
-      await new Promise(requestAnimationFrame);
-    }
-    return worst;
-  });
+  const flight = await fly(page, 90, 0.1);
   await settled(page);
   const { report, traffic } = await facts(page);
   t.diagnostic(`flight: at most ${flight.triangles} triangles, ${flight.residentBytes} bytes of pages, module ${traffic.memoryBytes}`);

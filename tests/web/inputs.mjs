@@ -1,8 +1,45 @@
-// Surfaces to be looked at, made and built here: a bumpy ring as a scan, and a globe of made-up land and sea.
+// What is looked at, built here: a bumpy ring as a scan, a globe of made-up land and sea; and where shared data are beside
+// the checkout, the Earth of ETOPO5 and a scene, an engine of 67 instances of 29 parts.
 
 import { execFileSync } from 'node:child_process';
-import { writeFileSync } from 'node:fs';
+import { existsSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { gunzipSync } from 'node:zlib';
+
+const shared = fileURLToPath(new URL('../../../shared/data/', import.meta.url));
+
+/** Nothing where the data are not there. */
+export function buildScene(cuesta, folder) {
+  const input = join(shared, 'scene/2CylinderEngine.glb');
+  if (!existsSync(input)) return undefined;
+  execFileSync(cuesta, ['build', input, '--type', 'scene', '-o', join(folder, 'engine.cuesta'), '--quiet']);
+  return 'engine.cuesta';
+}
+
+/** Every fourth height of ETOPO5, on the ellipsoid. Nothing where the data are not there. */
+export function buildEarth(cuesta, folder) {
+  const input = join(shared, 'dem/etopo5.cdf.gz');
+  if (!existsSync(input)) return undefined;
+  const file = gunzipSync(readFileSync(input));
+  const [columns, rows, heightsAt, every] = [4320, 2161, 0xcd48, 4]; // f32, big-endian, from the south, from 0° to the east
+  const lines = [
+    `ncols ${columns / every}`,
+    `nrows ${(rows - 1) / every + 1}`,
+    'xllcenter -180',
+    'yllcenter -90',
+    `cellsize ${every / 12}`,
+    'NODATA_value -32768',
+  ];
+  for (let j = rows - 1; j >= 0; j -= every) {
+    const row = [];
+    for (let i = 0; i < columns; i += every)
+      row.push(Math.round(file.readFloatBE(heightsAt + 4 * (j * columns + ((i + columns / 2) % columns)))));
+    lines.push(row.join(' '));
+  }
+  writeFileSync(join(folder, 'earth.asc'), lines.join('\n'));
+  return built(cuesta, folder, 'earth.asc', 'earth.cuesta', '--crs', 'EPSG:4326', '--frame', 'ecef');
+}
 
 export function buildScan(cuesta, folder) {
   const [around, along] = [160, 900];

@@ -3,6 +3,8 @@ export type {
   Change,
   ReliefFacts,
   Report,
+  SceneChange,
+  SceneGroup,
   Shaders,
   Shading,
   Source,
@@ -14,5 +16,6 @@ export type {
 export { eachRange, usualAim, wordsOfVertex } from './types.ts';
 export { CuestaSurface, type OpenOptions } from './surface.ts';
 export { type DrawOptions, SurfaceRenderer } from './renderer.ts';
+export { SceneRenderer } from './scene_renderer.ts';
 export { CameraControls, type ControlMode } from './controls.ts';
 export type { Lighting } from './uniforms.ts';

@@ -8,7 +8,7 @@ interface Exports {
   _malloc(bytes: number): number;
   _free(at: number): void;
   _text_at(): number;
-  _create(name: number, bytes: number): void;
+  _create(name: number, bytes: number, isScene: number): void;
   _deliver(offset: number, at: number, bytes: number): void;
   _open_surface(cacheBytes: number, out: number): number;
   _first_view(numbers: number, out: number): void;
@@ -42,8 +42,8 @@ export class Module {
     return this.m.HEAPU8.byteLength;
   }
 
-  create(name: string, fileBytes: number) {
-    this.withBytes(new TextEncoder().encode(name + '\0'), (at) => this.m._create(at, fileBytes));
+  create(name: string, fileBytes: number, isScene: boolean) {
+    this.withBytes(new TextEncoder().encode(name + '\0'), (at) => this.m._create(at, fileBytes, isScene ? 1 : 0));
   }
 
   deliver(offset: number, bytes: Uint8Array) {

@@ -1,27 +1,18 @@
 // Draws a surface with WebGL 2, as the native renderer draws it: with its shaders, on a page's or a worker's canvas.
 
-import { FrameTarget, linked } from './frame_target.ts';
 import { GlPool } from './gl_pool.ts';
+import { describeVertices, type Program, Stage } from './stage.ts';
 import { type Change, type Shaders, type Shading, type SurfaceFacts, type View, type Vec3, wordsOfVertex } from './types.ts';
-import { type Lighting, linearOf, type Uniforms, uniformsOf, usualLighting } from './uniforms.ts';
+import { type Lighting, type Uniforms, uniformsOf, usualLighting } from './uniforms.ts';
+import { edgesOf, indicesOf, lineUniforms } from './wireframe.ts';
 
 export interface DrawOptions {
-  /** `levels`: a colour for each round of the pages, by how coarse they are. Default: relief for terrain, else lit. */
-  shading?: Shading | 'levels';
+  /** `levels`: a colour for each round of the pages, by how coarse they are. `wireframe`: lit, with edges. Scenes have lit,
+   *  normals and wireframe. Default: relief for terrain, else lit. */
+  shading?: Shading | 'levels' | 'wireframe';
   background?: Vec3; // sRGB bytes
   lighting?: Lighting;
   exaggeration?: number;
-}
-
-interface Program {
-  id: WebGLProgram;
-  at: Map<string, WebGLUniformLocation | null>;
-}
-
-interface ClipControl {
-  LOWER_LEFT_EXT: number;
-  ZERO_TO_ONE_EXT: number;
-  clipControlEXT(origin: number, depth: number): void;
 }
 
 interface MultiDraw {
@@ -37,35 +28,35 @@ interface MultiDraw {
 }
 
 export class SurfaceRenderer {
-  readonly gl: WebGL2RenderingContext;
-  private readonly clipControl: ClipControl | null;
+  private readonly stage: Stage;
   private readonly multiDraw: MultiDraw | null;
-  private readonly shaders: Shaders;
-  private readonly programs = new Map<Shading, Program>();
-  private readonly target: FrameTarget;
   private readonly vertices: GlPool;
   private readonly indices: GlPool;
   private readonly array: WebGLVertexArrayObject;
   private counts = new Int32Array();
   private offsets = new Int32Array();
   private pages = new Uint32Array();
+  private readonly lineArray: WebGLVertexArrayObject;
+  private readonly lineBuffer: WebGLBuffer;
+  private lineCount: number | null = null; // null: of triangles that are no more
 
   /** @throws where there is no WebGL 2, or the driver refuses a shader. */
   constructor(
     readonly canvas: HTMLCanvasElement | OffscreenCanvas,
     private readonly surface: { facts: SurfaceFacts; shaders: { clipControl: Shaders; fragmentDepth: Shaders } },
   ) {
-    const attributes = { antialias: false, depth: false, alpha: false, powerPreference: 'high-performance' };
-    const gl = canvas.getContext('webgl2', attributes) as WebGL2RenderingContext | null;
-    if (!gl) throw new Error('This browser has no WebGL 2, or it is switched off.');
-    this.gl = gl;
-    this.clipControl = gl.getExtension('EXT_clip_control') as ClipControl | null;
+    this.stage = new Stage(canvas, surface.shaders);
+    const { gl } = this;
     this.multiDraw = gl.getExtension('WEBGL_multi_draw') as MultiDraw | null;
-    this.shaders = this.clipControl ? surface.shaders.clipControl : surface.shaders.fragmentDepth;
-    this.target = new FrameTarget(gl);
     this.vertices = new GlPool(gl, gl.ARRAY_BUFFER, wordsOfVertex);
     this.indices = new GlPool(gl, gl.ELEMENT_ARRAY_BUFFER, 1);
     this.array = gl.createVertexArray();
+    this.lineArray = gl.createVertexArray();
+    this.lineBuffer = gl.createBuffer();
+  }
+
+  get gl() {
+    return this.stage.gl;
   }
 
   /** Bytes of the GPU's copies of the pools. */
@@ -87,84 +78,42 @@ export class SurfaceRenderer {
       this.counts[i] = change.draws[2 * i + 1];
     }
     this.pages = change.drawPages.slice();
+    this.lineCount = null;
   }
 
   draw(view: View, options: DrawOptions = {}) {
-    const { gl } = this;
+    const { gl, stage } = this;
     const shading = options.shading ?? (this.surface.facts.relief ? 'relief' : 'lit');
-    const program = this.program(shading === 'levels' ? 'pages' : shading);
-    this.target.begin(view.width, view.height);
-    this.setState(options.background ?? [255, 255, 255]);
-    gl.useProgram(program.id);
-    const lighting = options.lighting ?? usualLighting;
-    this.setUniforms(program, uniformsOf(this.surface.facts, view, lighting, options.exaggeration ?? 1));
+    const shaders = shading === 'levels' ? 'pages' : shading === 'wireframe' ? 'lit' : shading;
+    const uniforms = uniformsOf(this.surface.facts, view, options.lighting ?? usualLighting, options.exaggeration ?? 1);
+    stage.begin(view, options.background ?? [255, 255, 255]);
+    const program = stage.use(shaders, uniforms);
     gl.bindVertexArray(this.array);
-    if (shading === 'pages' || shading === 'levels') this.drawPages(program, shading === 'levels');
+    if (shaders === 'pages') this.drawPages(program, shading === 'levels');
     else this.drawAll();
+    if (shading === 'wireframe') this.drawEdges(program, uniforms);
     gl.bindVertexArray(null);
-    this.clipControl?.clipControlEXT(this.clipControl.LOWER_LEFT_EXT, 0x935e); // negative one to one, for others
-    this.target.end();
+    stage.end();
   }
 
   /** Frees what the GPU has. */
   delete() {
     this.vertices.delete();
     this.indices.delete();
-    this.target.delete();
+    this.stage.delete();
     this.gl.deleteVertexArray(this.array);
-    for (const { id } of this.programs.values()) this.gl.deleteProgram(id);
+    this.gl.deleteVertexArray(this.lineArray);
+    this.gl.deleteBuffer(this.lineBuffer);
   }
 
+  /** @pre the array and the buffer of vertices are bound */
   private setAttributes() {
     const { gl } = this;
-    const bytes = wordsOfVertex * 4;
-    for (const i of [0, 1, 2]) gl.enableVertexAttribArray(i);
-    gl.vertexAttribIPointer(0, 3, gl.INT, bytes, 0);
-    gl.vertexAttribIPointer(1, 2, gl.SHORT, bytes, 12);
-    gl.vertexAttribPointer(2, 4, gl.UNSIGNED_BYTE, true, bytes, 16);
-  }
-
-  private setState(background: Vec3) {
-    const { gl, clipControl } = this;
-    const [r, g, b] = linearOf(background);
-    gl.enable(gl.DEPTH_TEST);
-    gl.depthFunc(gl.GREATER); // reversed: 1 at the near plane, 0 far away
-    gl.depthMask(true);
-    clipControl?.clipControlEXT(clipControl.LOWER_LEFT_EXT, clipControl.ZERO_TO_ONE_EXT);
-    gl.disable(gl.CULL_FACE);
-    gl.disable(gl.BLEND);
-    gl.clearColor(r, g, b, 1);
-    gl.clearDepth(0);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-  }
-
-  private program(shading: Shading): Program {
-    let program = this.programs.get(shading);
-    if (!program) {
-      program = { id: linked(this.gl, ...this.shaders[shading]), at: new Map() };
-      this.programs.set(shading, program);
-    }
-    return program;
-  }
-
-  private location(program: Program, name: string) {
-    if (!program.at.has(name)) program.at.set(name, this.gl.getUniformLocation(program.id, name));
-    return program.at.get(name)!;
-  }
-
-  private setUniforms(program: Program, { ints, floats }: Uniforms) {
-    const { gl } = this;
-    for (const [name, n] of Object.entries(ints)) {
-      if (n.length === 1) gl.uniform1i(this.location(program, name), n[0]);
-      else gl.uniform3iv(this.location(program, name), n);
-    }
-    for (const [name, n] of Object.entries(floats)) {
-      const at = this.location(program, name);
-      if (n.length === 1) gl.uniform1fv(at, n);
-      if (n.length === 2) gl.uniform2fv(at, n);
-      if (n.length === 3) gl.uniform3fv(at, n);
-      if (n.length === 9) gl.uniformMatrix3fv(at, true, n);
-    }
+    describeVertices(gl, wordsOfVertex * 4);
+    gl.bindVertexArray(this.lineArray);
+    describeVertices(gl, wordsOfVertex * 4);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.lineBuffer);
+    gl.bindVertexArray(this.array);
   }
 
   private drawAll() {
@@ -177,11 +126,33 @@ export class SurfaceRenderer {
 
   private drawPages(program: Program, levels: boolean) {
     const { gl } = this;
-    const at = this.location(program, 'page');
+    const at = this.stage.location(program, 'page');
     this.counts.forEach((count, i) => {
       const page = this.pages[i];
       gl.uniform1i(at, levels ? this.surface.facts.rounds[page] : page);
       gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, this.offsets[i]);
     });
+  }
+
+  private drawEdges(program: Program, uniforms: Uniforms) {
+    const { gl } = this;
+    gl.bindVertexArray(this.lineArray);
+    this.lineCount ??= this.makeEdges();
+    this.stage.set(program, lineUniforms(uniforms));
+    gl.drawElements(gl.LINES, this.lineCount, gl.UNSIGNED_INT, 0);
+  }
+
+  /** @returns how many indices. @pre the array of lines is bound */
+  private makeEdges(): number {
+    const { gl } = this;
+    const total = this.counts.reduce((sum, count) => sum + count, 0);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, 8 * total, gl.STREAM_DRAW);
+    let at = 0;
+    this.counts.forEach((count, i) => {
+      const edges = edgesOf(indicesOf(gl, this.indices.buffer, this.offsets[i] / 4, count));
+      gl.bufferSubData(gl.ELEMENT_ARRAY_BUFFER, 4 * at, edges);
+      at += edges.length;
+    });
+    return at;
   }
 }

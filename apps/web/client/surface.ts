@@ -6,6 +6,8 @@ import {
   changeOf,
   type FromWorker,
   type Report,
+  type SceneChange,
+  sceneChangeOf,
   type Shaders,
   type Source,
   type SurfaceFacts,
@@ -28,6 +30,8 @@ type Answer = Extract<FromWorker, { kind: 'answer' }>['value'];
 export class CuestaSurface {
   /** Called with each step that changed something, or that changes what is to be drawn. */
   onChange: (change: Change, report: Report, traffic: Traffic) => void = () => {};
+  /** Of a scene (`facts.scene`), in place of onChange. */
+  onSceneChange: (change: SceneChange, report: Report, traffic: Traffic) => void = () => {};
   /** It is tried again; empty: it is over. */
   onTrouble: (message: string) => void = () => {};
   /** Something cannot be had any more; what is there stays, coarser. */
@@ -137,7 +141,9 @@ export class CuestaSurface {
     if (message.kind === 'stepped') {
       this.busy = false;
       if (message.report.settled) this.settledAt = this.lastSent;
-      this.onChange(changeOf(message.words), message.report, message.traffic);
+      const { words, report, traffic } = message;
+      if (this.facts.scene) this.onSceneChange(sceneChangeOf(words), report, traffic);
+      else this.onChange(changeOf(words), report, traffic);
       if (this.wanted) this.send(this.wanted);
     }
     if (message.kind === 'arrived') this.settledAt = null;

@@ -62,6 +62,8 @@ export interface SurfaceFacts {
   rounds: number[];
   /** Terrain only. */
   relief?: ReliefFacts;
+  /** Scenes only: counts of vertices and triangles are those of all instances, and `grid` and `rounds` say nothing. */
+  scene?: { parts: number; instances: number };
 }
 
 export type Binding = 'nothing' | 'adapt time' | 'triangles' | 'page loads' | 'resident bytes' | 'upload bytes';
@@ -82,7 +84,7 @@ export interface Report {
   boundBy: Binding;
   /** Another step with the same view and aim would change nothing. */
   settled: boolean;
-  residentPages: number;
+  residentPages: number; // of a scene: objects that are drawn
   evictions: number;
   failedPages: number;
 }
@@ -118,6 +120,65 @@ export interface Change {
 }
 
 export const wordsOfVertex = 5;
+
+/** One step's picture of a scene, and what of it is new. Vertices and triangles are as of Change; those of a part are on a
+ *  grid of its own: place = origin + step * position, in the part's frame. */
+export interface SceneChange {
+  groups: SceneGroup[];
+  /** Of each instance, 12 numbers: columns and translation of its map into the world. */
+  maps: Float64Array;
+  /** Of each instance: sRGB, multiplies the vertices'. */
+  colours: Uint8Array;
+  parts: { part: number; vertices: Uint32Array }[];
+  blocks: { block: number; triangles: Uint32Array }[];
+  forgottenParts: Uint32Array;
+  forgottenBlocks: Uint32Array;
+}
+
+/** Instances of one part at one resolution, neighbours in `maps`. */
+export interface SceneGroup {
+  part: number;
+  block: number;
+  first: number;
+  count: number;
+  mirrored: boolean;
+  origin: Vec3;
+  step: number;
+}
+
+/** The words of a scene's step (web_scene.h) as views into them. */
+export function sceneChangeOf(words: Uint32Array): SceneChange {
+  const [parts, blocks, oldParts, oldBlocks, groups, instances] = words;
+  let at = 8;
+  const take = (count: number) => words.subarray(at, (at += count));
+  const takeNumbers = (count: number) => {
+    const taken = take(2 * count);
+    return new Float64Array(taken.buffer, taken.byteOffset, count);
+  };
+  const grids = takeNumbers(4 * groups);
+  const maps = takeNumbers(12 * instances);
+  const colours = take(instances);
+  const group = (_: unknown, i: number): SceneGroup => {
+    const [part, block, first, count, mirrored] = take(5);
+    const [x, y, z, step] = grids.subarray(4 * i, 4 * i + 4);
+    return { part, block, first, count, mirrored: mirrored !== 0, origin: [x, y, z], step };
+  };
+  return {
+    maps,
+    colours: new Uint8Array(colours.buffer, colours.byteOffset, 4 * instances),
+    groups: Array.from({ length: groups }, group),
+    parts: Array.from({ length: parts }, () => {
+      const [part, count] = take(2);
+      return { part, vertices: take(count * wordsOfVertex) };
+    }),
+    blocks: Array.from({ length: blocks }, () => {
+      const [block, count] = take(2);
+      return { block, triangles: take(3 * count) };
+    }),
+    forgottenParts: take(oldParts),
+    forgottenBlocks: take(oldBlocks),
+  };
+}
 
 /** The words of a step (web_surface.h) as views into them. */
 export function changeOf(words: Uint32Array): Change {

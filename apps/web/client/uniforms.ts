@@ -25,23 +25,29 @@ export interface Uniforms {
   floats: Record<string, number[]>;
 }
 
+/** What does not depend on what is drawn. */
+export function lightUniforms(view: View, lighting: Lighting): Record<string, number[]> {
+  const focal = 1 / Math.tan(view.fovY / 2);
+  const key = normalized(lighting.light);
+  return {
+    focal: [(focal * view.height) / view.width, focal],
+    surface_colour: linearOf(lighting.surfaceColour),
+    key_direction: key,
+    fill_direction: normalized([-2 * key[0], -0.5 * key[1], 0.5 * key[2]]),
+  };
+}
+
 export function uniformsOf(facts: SurfaceFacts, view: View, lighting: Lighting, exaggeration: number): Uniforms {
   const { origin, step } = facts.grid;
   const eye = scaled(sub(view.eye, origin), 1 / step);
   const whole = eye.map((c) => Math.min(2 ** 30 - 1, Math.max(1 - 2 ** 30, Math.floor(c)))) as Vec3;
-  const focal = 1 / Math.tan(view.fovY / 2);
-  const key = normalized(lighting.light);
-  const fill = normalized([-2 * key[0], -0.5 * key[1], 0.5 * key[2]]);
   const uniforms: Uniforms = {
     ints: { eye_whole: whole, relief_kind: [facts.relief ? 0 : 1] },
     floats: {
+      ...lightUniforms(view, lighting),
       eye_part: sub(eye, whole),
       rotation: frameOf(view).flat(),
-      focal: [(focal * view.height) / view.width, focal],
       near_units: [nearPlaneUnits],
-      surface_colour: linearOf(lighting.surfaceColour),
-      key_direction: key,
-      fill_direction: fill,
       exaggeration: [facts.relief ? exaggeration : 1],
     },
   };

@@ -9,6 +9,7 @@ import factory from 'cuesta-module';
 
 const headerBytes = 64;
 const headerSizeAt = 40; // u64: bytes of the file
+const headerKindAt = 48; // u64: 0 a surface, 1 a scene
 const directoryTail = 64 << 10; // before the directory lies the base page: mostly they come together
 const openAttempts = 4;
 
@@ -44,7 +45,7 @@ async function open(message: Extract<ToWorker, { kind: 'open' }>) {
     Module.load(factory as Factory, message.wasm),
   ]);
   module = loaded;
-  module.create(message.name, source.size() ?? announcedSize(header));
+  module.create(message.name, source.size() ?? announcedSize(header), header[headerKindAt] === 1);
   module.deliver(0, header);
   let held: Piece = { begin: Infinity, bytes: new Uint8Array() };
   for (let tail = directoryTail; ; tail = 0) {

@@ -45,7 +45,7 @@ export function read(hash: string, usual: PageState, width: number, height: numb
   };
   const [eye, target, up] = [vector('eye'), vector('target'), vector('up')];
   const apart = eye && target && eye.some((c, i) => c !== target[i]);
-  const shadings = ['usual', 'lit', 'normals', 'pages', 'levels'];
+  const shadings = ['usual', 'lit', 'normals', 'pages', 'levels', 'wireframe'];
   return {
     view:
       apart && up?.some((c) => c !== 0)

@@ -46,10 +46,10 @@ function showStatistics() {
   const rows: [string, string][] = [
     ['Triangles', counted(r.triangles)],
     ['of', counted(surface.facts.triangles)],
-    ['Error', isFinite(r.achieved) ? `${r.achieved.toPrecision(3)} px` : '…'],
-    ['Pages', `${r.residentPages}${r.pagesMissing ? `, ${r.pagesMissing} missing` : ''}`],
+    ...(surface.facts.scene ? [] : ([['Error', isFinite(r.achieved) ? `${r.achieved.toPrecision(3)} px` : '…']] as [string, string][])),
+    [surface.facts.scene ? 'Objects' : 'Pages', `${r.residentPages}${r.pagesMissing ? `, ${r.pagesMissing} missing` : ''}`],
     ['Step', `${r.adaptMs.toFixed(1)} ms`],
-    ['Pages take', bytes(r.residentBytes)],
+    [surface.facts.scene ? 'Parts take' : 'Pages take', bytes(r.residentBytes)],
     ['Module', bytes(t.memoryBytes)],
     ['GPU', bytes(renderer.bytes)],
     ['Fetched', bytes(t.bytes)],
@@ -131,6 +131,8 @@ async function open(source: Source) {
   document.title = `${name} – Cuesta`;
   element('title').textContent = name;
   element('heights').hidden = !viewer.surface.facts.relief;
+  for (const option of element<HTMLSelectElement>('shading').options)
+    option.disabled = !!viewer.surface.facts.scene && ['pages', 'levels'].includes(option.value);
   element('panel').hidden = element('tools').hidden = false;
   element<HTMLDetailsElement>('settings').open = !isSmall;
   viewer.surface.onTrouble = (message) => note(message, 0);

@@ -6,6 +6,7 @@ import {
   CuestaSurface,
   type DrawOptions,
   type Report,
+  SceneRenderer,
   type Source,
   SurfaceRenderer,
   type Traffic,
@@ -25,7 +26,7 @@ export class Viewer {
   firstMs: number | null = null;
   onStep: () => void = () => {};
   onMove: () => void = () => {};
-  readonly renderer: SurfaceRenderer;
+  readonly renderer: SurfaceRenderer | SceneRenderer;
   readonly controls: CameraControls;
   private dirty = true;
   private time = performance.now();
@@ -37,15 +38,9 @@ export class Viewer {
     view: View,
     private readonly opened: number,
   ) {
-    this.renderer = new SurfaceRenderer(canvas, surface);
+    this.renderer = this.drawnBy(surface);
     this.controls = new CameraControls(canvas, surface, view);
     this.controls.onMove = () => this.moved();
-    surface.onChange = (change, report, traffic) => {
-      this.renderer.apply(change);
-      [this.report, this.traffic, this.dirty] = [report, traffic, true];
-      this.firstBytes ??= traffic.bytes;
-      this.onStep();
-    };
     requestAnimationFrame((now) => this.frame(now));
   }
 
@@ -102,6 +97,24 @@ export class Viewer {
     this.renderer.delete();
   }
 
+  private drawnBy(surface: CuestaSurface): SurfaceRenderer | SceneRenderer {
+    if (surface.facts.scene) {
+      const renderer = new SceneRenderer(this.canvas, surface);
+      surface.onSceneChange = (change, report, traffic) => this.took(() => renderer.apply(change), report, traffic);
+      return renderer;
+    }
+    const renderer = new SurfaceRenderer(this.canvas, surface);
+    surface.onChange = (change, report, traffic) => this.took(() => renderer.apply(change), report, traffic);
+    return renderer;
+  }
+
+  private took(apply: () => void, report: Report, traffic: Traffic) {
+    apply();
+    [this.report, this.traffic, this.dirty] = [report, traffic, true];
+    if (report.triangles > 0) this.firstBytes ??= traffic.bytes;
+    this.onStep();
+  }
+
   private moved() {
     this.dirty = true;
     this.onMove();
@@ -125,7 +138,7 @@ export class Viewer {
   private draw() {
     this.dirty = false;
     this.renderer.draw(this.view, { ...this.options, exaggeration: this.aim.exaggeration });
-    if (this.report) this.firstMs ??= performance.now() - this.opened;
+    if (this.report?.triangles) this.firstMs ??= performance.now() - this.opened;
   }
 }
 
