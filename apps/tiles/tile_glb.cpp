@@ -2,8 +2,10 @@
 
 #include <meshoptimizer.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -15,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-enum ComponentType { i8 = 5120, u16 = 5123, u32 = 5125 };
+enum ComponentType { i8 = 5120, u8, u16 = 5123, u32 = 5125 };
 enum Target { vertex_data = 34962, index_data = 34963 };
 constexpr std::int64_t most_steps = 65535;
 
@@ -109,9 +111,6 @@ struct Position {
 struct Normal {
   std::int8_t u, v, one, none;
 };
-struct Colour {
-  std::uint16_t red, green, blue, alpha;
-};
 
 std::vector<Normal> normals_of(const TileMesh& mesh) {
   std::vector<float> plain;
@@ -126,15 +125,17 @@ std::vector<Normal> normals_of(const TileMesh& mesh) {
   return normals;
 }
 
-std::vector<Colour> colours_of(const TileMesh& mesh) {
-  std::array<std::uint16_t, 256> linear{};
+template <class Part>
+std::vector<std::array<Part, 4>> colours_of(const TileMesh& mesh) {
+  constexpr Part most = std::numeric_limits<Part>::max();
+  std::array<Part, 256> linear{};
   for (std::size_t i = 0; i < linear.size(); ++i)
-    linear[i] = static_cast<std::uint16_t>(linear_from_srgb(static_cast<double>(i) / 255) * 65535 + 0.5);
-  std::vector<Colour> colours;
+    linear[i] = static_cast<Part>(linear_from_srgb(static_cast<double>(i) / 255) * most + 0.5);
+  std::vector<std::array<Part, 4>> colours;
   colours.reserve(mesh.vertices.size());
   for (const DrawVertex& v : mesh.vertices)
     colours.push_back({linear[v.colour[0]], linear[v.colour[1]], linear[v.colour[2]],
-                       static_cast<std::uint16_t>(v.colour[3] * 257)});
+                       static_cast<Part>(v.colour[3] * (most / 255))});
   return colours;
 }
 
@@ -194,7 +195,7 @@ double glb_rounding(const TileMesh& mesh, const TilePlacement& placement) {
   return rounding_of(cube_of(on_lattice(mesh, placement)), placement);
 }
 
-TileGlb encode_glb(TileMesh mesh, const TilePlacement& placement, bool colours) {
+TileGlb encode_glb(TileMesh mesh, const TilePlacement& placement, GlbColours colours) {
   const std::vector<std::uint32_t> indices = order_for_drawing(mesh);
   const std::vector<Vec3i> points = on_lattice(mesh, placement);
   const Cube cube = cube_of(points);
@@ -218,10 +219,14 @@ TileGlb encode_glb(TileMesh mesh, const TilePlacement& placement, bool colours) 
   views.add_vertices(normals_of(mesh), "OCTAHEDRAL");
   accessors.push_back(accessor(1, i8, count, "VEC3", true));
   attributes["NORMAL"] = 1;
-  if (colours) {
-    views.add_vertices(colours_of(mesh), nullptr);
+  if (colours != GlbColours::none) {
+    const bool fine = colours == GlbColours::u16;
+    if (fine)
+      views.add_vertices(colours_of<std::uint16_t>(mesh), nullptr);
+    else
+      views.add_vertices(colours_of<std::uint8_t>(mesh), nullptr);
     attributes["COLOR_0"] = accessors.size();
-    accessors.push_back(accessor(2, u16, count, "VEC4", true));
+    accessors.push_back(accessor(2, fine ? u16 : u8, count, "VEC4", true));
   }
   views.add_triangles(indices, count);
   const std::size_t index_accessor = accessors.size();

@@ -36,6 +36,7 @@ TileProducer::TileProducer(std::unique_ptr<TileCut> cut, const std::optional<Ter
       tree_(directory(), facts),
       placement_(directory(), facts),
       known_(std::move(known)) {
+  if (facts && !directory().has_colours) tint_.emplace(*facts, directory().grid);
   const double largest =
       static_cast<double>(decode_error(directory().pages.back().largest_error)) * directory().grid.step;
   while (error_of(coarsest_) < largest) ++coarsest_;
@@ -165,7 +166,11 @@ Result<TileProducer::Fitted> TileProducer::find(const std::string& id) {
 }
 
 std::vector<std::byte> TileProducer::content(Fitted&& tile) const {
-  return encode_glb(std::move(tile.mesh), placement_, directory().has_colours).bytes;
+  if (tint_) tint_->put(tile.mesh);
+  const GlbColours colours = tint_                     ? GlbColours::u8
+                             : directory().has_colours ? GlbColours::u16
+                                                       : GlbColours::none;
+  return encode_glb(std::move(tile.mesh), placement_, colours).bytes;
 }
 
 }  // namespace cuesta::tiles

@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/tiles/height_tint.h"
 #include "apps/tiles/known_tiles.h"
 #include "apps/tiles/tile_cut.h"
 #include "apps/tiles/tile_placement.h"
@@ -60,7 +61,8 @@ class TileProducer {
   Result<TileFacts> facts(const std::string& id);
   Result<Fitted> find(const std::string& id);
 
-  /// A binary glTF.
+  /// A binary glTF, in colours: the file's, or those of a terrain's heights. Other surfaces without have
+  /// none.
   std::vector<std::byte> content(Fitted&& tile) const;
 
   const TilePlacement& placement() const { return placement_; }
@@ -80,6 +82,7 @@ class TileProducer {
   TileOptions options_;
   TileTree tree_;
   TilePlacement placement_;
+  std::optional<HeightTint> tint_;  // of a terrain without colours
   int coarsest_ = 0;
   std::shared_ptr<KnownTiles> known_;
 };
