@@ -11,6 +11,10 @@
 namespace cuesta {
 namespace {
 
+/// So many runs are placed at once, some 50 bytes each. Triangles of a base page are as large as the terrain:
+/// all of their runs would be gigabytes.
+constexpr std::uint64_t most_runs = std::uint64_t{1} << 19;
+
 /// A triangle and the verticals through it.
 struct MeasuredTriangle {
   Vec3d a, ab, ac, normal;  // the normal is twice the area long
@@ -65,20 +69,38 @@ void PostingMeasure::place(std::uint32_t triangle, std::uint32_t layer, const La
   }
 }
 
-std::vector<PostingMeasure::SquareRuns> PostingMeasure::runs_of(
+/// visit(layer, run of postings) over the triangle.
+template <class Visit>
+void PostingMeasure::visit_footprint(const std::array<Vec3i, 3>& triangle, const Visit& visit) const {
+  const Grid& grid = surface_.grid;
+  const std::array corners{grid.world(triangle[0]), grid.world(triangle[1]), grid.world(triangle[2])};
+  for (std::uint32_t layer = 0; layer < footprints_.size(); ++layer)
+    for (const LatticeRun& run : footprints_[layer].of(corners)) visit(layer, run);
+}
+
+std::vector<PostingMeasure::Extent> PostingMeasure::extents_of(
     std::span<const std::array<Vec3i, 3>> triangles) const {
+  const std::uint64_t side = surface_.store_.squares().side();
+  std::vector<Extent> extents(triangles.size());
+  tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t t) {
+    visit_footprint(triangles[t], [&](std::uint32_t, const LatticeRun& run) {
+      extents[t].postings += run.last - run.first + 1;
+      extents[t].runs += (run.last - run.first) / side + 2;
+    });
+  });
+  return extents;
+}
+
+std::vector<PostingMeasure::SquareRuns> PostingMeasure::runs_of(
+    std::span<const std::array<Vec3i, 3>> triangles, std::span<const std::uint32_t> some) const {
   constexpr std::size_t part_triangles = 256;
-  std::vector<std::vector<Placed>> parts((triangles.size() + part_triangles - 1) / part_triangles);
+  std::vector<std::vector<Placed>> parts((some.size() + part_triangles - 1) / part_triangles);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
-    const std::size_t end = std::min(triangles.size(), (part + 1) * part_triangles);
-    for (std::size_t t = part * part_triangles; t < end; ++t) {
-      const Grid& grid = surface_.grid;
-      const std::array corners{grid.world(triangles[t][0]), grid.world(triangles[t][1]),
-                               grid.world(triangles[t][2])};
-      for (std::uint32_t layer = 0; layer < footprints_.size(); ++layer)
-        for (const LatticeRun& run : footprints_[layer].of(corners))
-          place(static_cast<std::uint32_t>(t), layer, run, parts[part]);
-    }
+    const std::size_t end = std::min(some.size(), (part + 1) * part_triangles);
+    for (std::size_t i = part * part_triangles; i < end; ++i)
+      visit_footprint(triangles[some[i]], [&](std::uint32_t layer, const LatticeRun& run) {
+        place(some[i], layer, run, parts[part]);
+      });
   });
   std::vector<Placed> all;
   for (auto& p : parts) all.insert(all.end(), p.begin(), p.end());
@@ -129,35 +151,48 @@ Result<void> PostingMeasure::visit_square(const SquareRuns& square,
 Result<void> PostingMeasure::measure(std::span<const std::array<Vec3i, 3>> triangles,
                                      std::span<float> distances) const {
   std::fill(distances.begin(), distances.end(), 0.0f);
-  const std::vector<SquareRuns> squares = runs_of(triangles);
-  return run_all(squares.size(), arena_threads(), [&](std::uint64_t i) {
-    return visit_square(squares[i], triangles, [&](std::uint32_t triangle, const Vec3d&, double distance) {
-      const float bound = rounded_up(distance);
-      // Not negative: bits are in order.
-      std::atomic_ref<float> out(distances[triangle]);
-      for (float before = out.load(); before < bound && !out.compare_exchange_weak(before, bound);) {
-      }
+  const auto measure_some = [&](std::span<const std::uint32_t> some) {
+    const std::vector<SquareRuns> squares = runs_of(triangles, some);
+    return run_all(squares.size(), arena_threads(), [&](std::uint64_t i) {
+      return visit_square(squares[i], triangles, [&](std::uint32_t triangle, const Vec3d&, double distance) {
+        const float bound = rounded_up(distance);
+        // Not negative: bits are in order.
+        std::atomic_ref<float> out(distances[triangle]);
+        for (float before = out.load(); before < bound && !out.compare_exchange_weak(before, bound);) {
+        }
+      });
     });
-  });
+  };
+  const std::vector<Extent> extents = extents_of(triangles);
+  std::vector<std::uint32_t> some;
+  std::uint64_t runs = 0;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    if (runs > 0 && runs + extents[t].runs > most_runs) {
+      if (auto r = measure_some(some); !r) return r;
+      some.clear();
+      runs = 0;
+    }
+    some.push_back(t);
+    runs += extents[t].runs;
+  }
+  return measure_some(some);
 }
 
 Result<std::vector<std::optional<std::vector<Vec3i>>>> PostingMeasure::postings_over(
     std::span<const std::array<Vec3i, 3>> triangles, std::size_t most) const {
-  std::vector<SquareRuns> squares = runs_of(triangles);
-  std::vector<std::size_t> count(triangles.size());
-  for (const SquareRuns& square : squares)
-    for (const Run& r : square.runs) count[r.triangle] += std::size_t{r.last} - r.first + 1;
+  const std::vector<Extent> extents = extents_of(triangles);
   std::vector<std::optional<std::vector<Vec3i>>> out(triangles.size());
-  for (std::size_t t = 0; t < out.size(); ++t)
-    if (count[t] <= most) out[t].emplace();
+  std::vector<std::uint32_t> some;
+  for (std::uint32_t t = 0; t < out.size(); ++t) {
+    if (extents[t].postings > most) continue;
+    out[t].emplace();
+    some.push_back(t);
+  }
   const auto add = [&](std::uint32_t triangle, const Vec3d& p, double) {
     out[triangle]->push_back(vec_cast<std::int32_t>(p));
   };
-  for (SquareRuns& square : squares) {
-    std::erase_if(square.runs, [&](const Run& r) { return !out[r.triangle]; });
-    if (square.runs.empty()) continue;
+  for (const SquareRuns& square : runs_of(triangles, some))
     if (auto r = visit_square(square, triangles, add); !r) return fail(r.error());
-  }
   return out;
 }
 

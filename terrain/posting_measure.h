@@ -38,7 +38,16 @@ class PostingMeasure {
   };
   void place(std::uint32_t triangle, std::uint32_t layer, const LatticeRun& run,
              std::vector<Placed>& out) const;
-  std::vector<SquareRuns> runs_of(std::span<const std::array<Vec3i, 3>> triangles) const;
+  /// What a triangle's footprint is made of, at most.
+  struct Extent {
+    std::uint64_t postings = 0, runs = 0;
+  };
+  template <class Visit>
+  void visit_footprint(const std::array<Vec3i, 3>& triangle, const Visit& visit) const;
+  std::vector<Extent> extents_of(std::span<const std::array<Vec3i, 3>> triangles) const;
+  /// Of some of the triangles, by their numbers.
+  std::vector<SquareRuns> runs_of(std::span<const std::array<Vec3i, 3>> triangles,
+                                  std::span<const std::uint32_t> some) const;
   /// visit(triangle, posting, distance) for all postings over the triangles in a square.
   template <class Visit>
   Result<void> visit_square(const SquareRuns& square, std::span<const std::array<Vec3i, 3>> triangles,
