@@ -91,6 +91,7 @@ plot::Chart chart_of(const std::vector<Part>& parts) {
     return static_cast<double>(p.frames[i].resident_bytes) / (1 << 20);
   });
   panel("error in the picture", "px", {}, [](const Part& p, std::size_t i) { return p.frames[i].achieved; });
+  chart.panels.back().y.logarithmic = true;
   return chart;
 }
 
