@@ -118,11 +118,11 @@ void CostModel::fit() {
   if (const auto x = solve_non_negative(a, b); x && *std::max_element(x->begin(), x->end()) > 0) costs_ = *x;
 }
 
-void CostModel::observe(const FrameWork& work, double ms) {
+void CostModel::observe(const FrameWork& work, double ms, const FrameWork& guess) {
   const Costs x = terms_of(work);
   if (!usable(x, ms)) return;
   const double predicted = std::max(dot(costs_, x), 1e-6), deviation = std::abs(ms / predicted - 1);
-  remember(ms / predicted);
+  remember(ms / std::max(predict_ms(guess), 1e-6));
   spread_ = std::max(least_spread, spread_ * (1 + (deviation > spread_ ? spread_step : -spread_step)));
   for (std::size_t i = 0; i < terms; ++i) {
     target_[i] *= forgetting;

@@ -16,7 +16,7 @@ namespace cuesta {
 struct FrameWork {
   double objects = 0;
   double triangles = 0;
-  double pixels = 0;  ///< covered by the objects' bounds inside of the picture, overlaps counted
+  double pixels = 0;  ///< written, with what is overdrawn; a guess before it is drawn
   double changed_triangles =
       0;  ///< whose indices, and vertices that, are made and uploaded anew for this frame
 };
@@ -42,6 +42,7 @@ class CostModel {
   const Costs& costs() const { return costs_; }
   double object_ms() const { return costs_[1]; }
   double triangle_ms() const { return costs_[2]; }
+  double pixel_ms() const { return costs_[3]; }
   double changed_triangle_ms() const { return costs_[4]; }
   /// Half of all frames take less, about.
   double predict_ms(const FrameWork& work) const;
@@ -53,7 +54,9 @@ class CostModel {
 
   /// @param ms  what the frame took; ignored unless finite and > 0.   @cost O(1): about 3 µs. No allocation
   /// after warm-up.
-  void observe(const FrameWork& work, double ms);
+  /// @param guess  the work as it was known before it was drawn: ratio() is over what that came to
+  void observe(const FrameWork& work, double ms, const FrameWork& guess);
+  void observe(const FrameWork& work, double ms) { observe(work, ms, work); }
 
  private:
   using Matrix = std::array<Costs, terms>;

@@ -68,6 +68,7 @@ LiveScene::LiveScene(const SceneDirectory& directory, SceneSources sources, cons
              std::move(sources.tom_at_hand)),
       indices_(settings.index_bytes),
       policy_(make_policy(settings, costs_)),
+      part_fill_(directory.parts.size()),
       shown_(directory.parts.size()),
       coarsest_(directory.parts.size()) {
   for (std::uint32_t i = 0; i < instances_.size(); ++i) {
@@ -113,7 +114,6 @@ void LiveScene::add_visible(std::uint32_t instance, const ViewCone::Footprint& f
                             const View& view, const SceneFrameOptions& options) {
   const SceneInstance& in = instances_[instance];
   const ScenePartEntry& part = directory_.parts[in.part];
-  const double picture = double(view.width_px) * double(view.height_px);
   double full = double(part.triangles), least = 0;
   if (part.is_tom()) {
     const double scale = mean_scale(pose_.world(in.node));
@@ -122,7 +122,7 @@ void LiveScene::add_visible(std::uint32_t instance, const ViewCone::Footprint& f
     least = coarsest_triangles(in.part);
   } else {
     // A cut is view-dependent: it needs no more than a few triangles for each pixel and tau squared.
-    full = std::min(full, 2 * footprint.coverage * picture / (options.tau_px * options.tau_px));
+    full = std::min(full, 2 * footprint.coverage * picture_px_ / (options.tau_px * options.tau_px));
   }
   visible_.push_back(instance);
   coverage_.push_back(static_cast<float>(footprint.coverage));
@@ -130,12 +130,14 @@ void LiveScene::add_visible(std::uint32_t instance, const ViewCone::Footprint& f
   weights_.push_back(weight_[in.node]);
   triangles_.push_back(static_cast<float>(std::max(full, 1.0)));
   r_min_.push_back(static_cast<float>(std::clamp(least / std::max(full, 1.0), 0.0, 1.0)));
-  pixels_ += footprint.coverage * picture;
+  fill_.push_back(static_cast<float>(footprint.coverage * picture_px_ * part_fill_.share(in.part)));
+  pixels_ += double(fill_.back());
 }
 
 void LiveScene::find_visible(const View& view, const SceneFrameOptions& options) {
-  for (auto* v : {&coverage_, &focus_, &weights_, &triangles_, &r_min_}) v->clear();
+  for (auto* v : {&coverage_, &focus_, &weights_, &triangles_, &r_min_, &fill_}) v->clear();
   visible_.clear();
+  picture_px_ = double(view.width_px) * double(view.height_px);
   pixels_ = 0;
   const ViewCone cone(view);
   for (std::uint32_t i = 0; i < instances_.size(); ++i) {
@@ -156,8 +158,9 @@ void LiveScene::choose(const SceneFrameOptions& options, SceneFrameReport& repor
       r_[i] = std::max(r_min_[i], static_cast<float>(*options.uniform));
     report.outcome = ResolutionOutcome::heuristic;
   } else {
-    const FrameTask task{options.deadline_ms, {double(visible_.size()), 0, pixels_, reserved_changes_}};
-    report.outcome = policy_->choose({coverage_, focus_, weights_, triangles_, r_min_}, task, r_,
+    const FrameTask task{std::max(options.deadline_ms - expected_choice_ms_, 0.0),
+                         {double(visible_.size()), 0, pixels_, reserved_changes_}};
+    report.outcome = policy_->choose({coverage_, focus_, weights_, triangles_, r_min_, fill_}, task, r_,
                                      [&] { return clock_() - start > options.most_choice_ms; });
   }
   report.optimisation_ms = clock_() - start;
@@ -213,13 +216,14 @@ void LiveScene::choose_blocks() {
     const double wanted = rung_triangles(std::clamp(double(r_[k]) * double(triangles_[k]), 1.0, all), all);
     const Resolution n = resolution_of_triangles(*tom, static_cast<std::uint32_t>(std::min(wanted, 4e9)));
     const double left = std::max(0.0, reserved_changes_ - double(new_vertices_));
-    choices_.push_back({visible_[k], indices_.get(in.part, *tom, n, static_cast<std::uint64_t>(left)),
+    choices_.push_back({visible_[k], bounds_px(k),
+                        indices_.get(in.part, *tom, n, static_cast<std::uint64_t>(left)),
                         determinant(pose_.world(in.node)) < 0});
   }
 }
 
 void LiveScene::group_toms() {
-  drawn_.clear(), groups_.clear();
+  drawn_.clear(), groups_.clear(), group_bounds_.clear();
   std::sort(choices_.begin(), choices_.end(), [](const Choice& a, const Choice& b) {
     return a.block->id != b.block->id ? a.block->id < b.block->id
            : a.mirrored != b.mirrored ? b.mirrored
@@ -227,10 +231,13 @@ void LiveScene::group_toms() {
   });
   for (const Choice& c : choices_) {
     const SceneInstance& in = instances_[c.instance];
-    if (groups_.empty() || groups_.back().indices != c.block || groups_.back().mirrored != c.mirrored)
+    if (groups_.empty() || groups_.back().indices != c.block || groups_.back().mirrored != c.mirrored) {
       groups_.push_back(
           {in.part, shown_[in.part].tom, c.block, static_cast<std::uint32_t>(drawn_.size()), 0, c.mirrored});
+      group_bounds_.push_back(0);
+    }
     ++groups_.back().count;
+    group_bounds_.back() += c.bounds_px;
     const bool own_colours = directory_.parts[in.part].attributes.colours;
     const Rgba8 colour =
         own_colours ? Rgba8{255, 255, 255, 255} : directory_.scene.materials[in.material].base_colour;
@@ -239,8 +246,9 @@ void LiveScene::group_toms() {
 }
 
 void LiveScene::adapt_surfaces(const View& view, const SceneFrameOptions& options, SceneFrameReport& report) {
-  surfaces_.clear();
+  surfaces_.clear(), surface_bounds_.clear();
   surfaces_settled_ = true;
+  double left_ms = options.change_share * options.deadline_ms;  // of all of them
   for (std::size_t k = 0; k < visible_.size(); ++k) {
     Cut* const cut = cuts_[visible_[k]].get();
     if (!cut || r_[k] <= 0) continue;
@@ -249,11 +257,13 @@ void LiveScene::adapt_surfaces(const View& view, const SceneFrameOptions& option
     Budgets budgets;
     if (!options.uniform) {
       budgets.triangles = triangle_budget(r_[k], double(triangles_[k]));
-      budgets.adapt_ms = options.change_share * options.deadline_ms;
+      budgets.adapt_ms = left_ms;
     }
     const View within = view_within(world, view);
     const auto scale = ErrorScale::perspective(cut->directory().grid, within, 4);
     const AdaptReport adapted = cut->adapt(scale, options.tau_px, budgets);
+    left_ms = std::max(left_ms - adapted.adapt_ms, 0.0);
+    surface_bounds_.push_back(bounds_px(k));
     report.surface_bytes += adapted.resident_bytes;
     report.store.missing += adapted.pages_missing;
     surfaces_settled_ = surfaces_settled_ && adapted.settled;
@@ -274,8 +284,12 @@ void LiveScene::count_work(SceneFrameReport& report) {
   for (const DrawnSurface& s : surfaces_)
     for (const Range& range : s.list.draws) report.drawn_triangles += range.count / 3;
   report.changed_triangles = indices_.extracted_triangles() + new_vertices_;
-  work_ = {double(report.drawn_objects), double(report.drawn_triangles), pixels_,
+  double pixels = 0;
+  for (std::size_t k = 0; k < visible_.size(); ++k)
+    if (r_[k] > 0) pixels += double(fill_[k]);
+  work_ = {double(report.drawn_objects), double(report.drawn_triangles), pixels,
            double(report.changed_triangles)};
+  guess_ = work_;
   const double wished = double(report.changed_triangles + indices_.denied_triangles() + denied_vertices_);
   report.settled =
       surfaces_settled_ && wished == 0 && report.store.missing <= report.store.waiting_for_budget;
@@ -301,9 +315,31 @@ SceneFrameReport LiveScene::frame(const View& view, const SceneFrameOptions& opt
   adapt_surfaces(view, options, report);
   indices_.end_frame();
   count_work(report);
-  report.predicted_ms = costs_.predict_ms(work_);
   report.choice_ms = clock_() - start;
+  take_choice_time(report.choice_ms);
+  report.predicted_ms = report.choice_ms + costs_.predict_ms(work_);
   return report;
+}
+
+/// What choosing, extracting and adapting take is known only afterwards; the next frame's is likely the same.
+void LiveScene::take_choice_time(double ms) {
+  constexpr double rise = 0.5, fall = 0.1;
+  choice_ms_ = ms;
+  expected_choice_ms_ += (ms > expected_choice_ms_ ? rise : fall) * (ms - expected_choice_ms_);
+}
+
+void LiveScene::drew(std::span<const float> pixels) {
+  CUESTA_CHECK(pixels.size() == groups_.size() + surfaces_.size(), pixels.size(), groups_.size());
+  double all = 0;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const bool is_group = i < groups_.size();
+    const std::size_t s = i - groups_.size();
+    part_fill_.add(is_group ? groups_[i].part : instances_[surfaces_[s].as.instance].part, double(pixels[i]),
+                   is_group ? group_bounds_[i] : surface_bounds_[s]);
+    all += double(pixels[i]);
+  }
+  part_fill_.learn();
+  work_.pixels = all;
 }
 
 void LiveScene::set_policy(PolicyKind policy) {
@@ -316,7 +352,7 @@ const Directory* LiveScene::surface_directory(std::uint32_t instance) const {
 }
 
 void LiveScene::measured(double ms) {
-  costs_.observe(work_, ms);
+  costs_.observe(work_, ms - choice_ms_, guess_);
   policy_->measured(ms, deadline_ms_);
 }
 

@@ -16,6 +16,7 @@
 #include "runtime/cut.h"
 #include "runtime/index_cache.h"
 #include "runtime/instance_culling.h"
+#include "runtime/part_fill.h"
 #include "runtime/part_store.h"
 #include "runtime/resolution_policy.h"
 #include "runtime/scene_pose.h"
@@ -66,7 +67,7 @@ struct SceneFrameReport {
   std::uint64_t changed_triangles =
       0;                       ///< whose indices were extracted, and vertices of parts that are new or grew
   double desired_ms = 0;       ///< the deadline
-  double predicted_ms = 0;     ///< by the cost model, before drawing
+  double predicted_ms = 0;     ///< before drawing: choice_ms, and the cost model's of drawing
   double choice_ms = 0;        ///< culling, choosing, extracting
   double optimisation_ms = 0;  ///< of that, choosing resolutions
   ResolutionOutcome outcome = ResolutionOutcome::full;
@@ -127,12 +128,16 @@ class LiveScene {
   /// where not even the coarsest of all fit the deadline, those of least interest (outcome infeasible).
   SceneFrameReport frame(const View& view, const SceneFrameOptions& options);
   SceneDrawList list() const { return {drawn_, groups_, surfaces_}; }
-  /// The frame that was chosen last took so long, choice and drawing: cost model and policy learn from it.
+  /// The pixels that the last frame has written, a number for each group of list(), then for each surface:
+  /// later frames are predicted from these. Without it all bounds count as full.
+  void drew(std::span<const float> pixels);
+  /// The frame that was chosen last took so long, choice and drawing: cost model (of drawing) and policy
+  /// learn from it.
   void measured(double ms);
   /// Replaces what the cost model knows.
   void calibrate(std::span<const MeasuredFrame> frames) { costs_ = CostModel(frames); }
   const CostModel& costs() const { return costs_; }
-  /// What the last frame draws, for calibrate().
+  /// What the last frame draws, for calibrate(), which is about drawing alone.
   const FrameWork& work() const { return work_; }
 
   /// Frames until nothing is missing or `most` are done, waiting for what loads; the last one's report.
@@ -166,6 +171,8 @@ class LiveScene {
   void forget_unseen();
   void adapt_surfaces(const View& view, const SceneFrameOptions& options, SceneFrameReport& report);
   void count_work(SceneFrameReport& report);
+  void take_choice_time(double ms);
+  double bounds_px(std::size_t visible) const { return double(coverage_[visible]) * picture_px_; }
 
   const SceneDirectory& directory_;
   SceneSettings settings_;
@@ -184,8 +191,12 @@ class LiveScene {
 
   // Of the frame. Visible objects in structure of arrays, as policies take them.
   std::vector<std::uint32_t> visible_;  // instances
-  std::vector<float> coverage_, focus_, weights_, triangles_, r_min_, r_;
-  double pixels_ = 0;
+  std::vector<float> coverage_, focus_, weights_, triangles_, r_min_, fill_, r_;
+  double picture_px_ = 0;
+  double pixels_ = 0;                                  // Σ fill_
+  std::vector<double> group_bounds_, surface_bounds_;  // pixels of the drawn objects' bounds
+  PartFill part_fill_;
+  double choice_ms_ = 0, expected_choice_ms_ = 0;  // of the last frame; of the next, quick to rise
   double wished_changes_ = 0;    // running mean: made, and denied for they would have been too many
   double reserved_changes_ = 0;  // that the frame has time for
   std::uint64_t new_vertices_ = 0, denied_vertices_ = 0;
@@ -198,6 +209,7 @@ class LiveScene {
   std::uint64_t frame_ = 0;
   struct Choice {
     std::uint32_t instance = 0;
+    double bounds_px = 0;
     std::shared_ptr<const IndexBlock> block;
     bool mirrored = false;
   };
@@ -206,7 +218,7 @@ class LiveScene {
   std::vector<DrawnGroup> groups_;
   std::vector<DrawnSurface> surfaces_;
   bool surfaces_settled_ = true;
-  FrameWork work_;
+  FrameWork guess_, work_;  // before it is drawn, and with the pixels that were written then
 };
 
 }  // namespace cuesta

@@ -31,13 +31,19 @@ class PredictivePolicy final : public ResolutionPolicy {
   void measured(double, double) override {}
 
  private:
-  /// Keeps the objects of most interest as far as their coarsest, and the calls that draw them, fit.
+  /// Keeps the objects of most interest as far as their coarsest, the calls that draw them and what they fill
+  /// fit.
   /// @param budget  after the costs of all objects   @cost O(objects): each step halves those that are
   /// undecided
   void leave_out_least(const VisibleObjects& objects, double budget, std::span<float> r) {
     order_.resize(r.size());
     std::iota(order_.begin(), order_.end(), 0u);
-    double left = budget + costs_.object_ms() * double(r.size());
+    const auto drawing_ms = [&](std::size_t i) {
+      return costs_.object_ms() +
+             (objects.pixels.empty() ? 0 : costs_.pixel_ms() * double(objects.pixels[i]));
+    };
+    double left = budget;
+    for (std::size_t i = 0; i < r.size(); ++i) left += drawing_ms(i);
     auto from = order_.begin(), to = order_.end();
     while (from < to) {
       const auto middle = from + (to - from) / 2;
@@ -46,7 +52,7 @@ class PredictivePolicy final : public ResolutionPolicy {
       });
       double cost = 0;
       for (auto i = from; i <= middle; ++i)
-        cost += costs_.object_ms() + double(cost_[*i]) * double(objects.r_min[*i]);
+        cost += drawing_ms(*i) + double(cost_[*i]) * double(objects.r_min[*i]);
       if (cost > left) {
         to = middle;
       } else {

@@ -54,10 +54,11 @@ Result<void> ScenePlayer::calibrate(std::span<const View> views, const SceneFram
       if (auto ok = draw(view); !ok) return ok;  // what is new is sent
       for (int i = 0; i < 3; ++i) {
         const double start = clock_();
-        scene_->frame(view, at);
+        const double choice_ms = scene_->frame(view, at).choice_ms;
         if (auto ok = draw(view); !ok) return ok;
         last_ms = clock_() - start;
-        measured.push_back({scene_->work(), last_ms});
+        scene_->drew(renderer_->pixels());
+        measured.push_back({scene_->work(), last_ms - choice_ms});
       }
     }
   }
@@ -72,7 +73,9 @@ Result<PlayedFrame> ScenePlayer::play(const View& view, const SceneFrameOptions&
   frame.report = scene_->frame(view, options);
   if (auto ok = draw(view); !ok) return fail(ok.error());
   frame.actual_ms = clock_() - start;
-  if (renderer_) scene_->measured(frame.actual_ms);
+  if (!renderer_) return frame;
+  scene_->drew(renderer_->pixels());
+  scene_->measured(frame.actual_ms);
   return frame;
 }
 

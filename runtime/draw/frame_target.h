@@ -23,6 +23,8 @@ class FrameTarget {
   /// Resolves the samples into the picture.
   void end();
   /// Holds the picture of the last `end()`: one sample per pixel. 0 before that.
+  /// Of a pixel, in the picture that was begun last.
+  int samples() const { return samples_ > 1 ? samples_ : 1; }
   GLuint picture() const { return samples_ > 1 ? resolved_.framebuffer : drawn_.framebuffer; }
   /// Into the context's own framebuffer, scaled to its size.
   void copy_to_window(int width_px, int height_px) const;

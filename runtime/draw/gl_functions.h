@@ -12,6 +12,7 @@ namespace cuesta {
 #define CUESTA_GL_FUNCTIONS(X)                                               \
   X(PFNGLACTIVETEXTUREPROC, ActiveTexture)                                   \
   X(PFNGLATTACHSHADERPROC, AttachShader)                                     \
+  X(PFNGLBEGINQUERYPROC, BeginQuery)                                         \
   X(PFNGLBINDBUFFERPROC, BindBuffer)                                         \
   X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                               \
   X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                             \
@@ -34,6 +35,7 @@ namespace cuesta {
   X(PFNGLDELETEBUFFERSPROC, DeleteBuffers)                                   \
   X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                         \
   X(PFNGLDELETEPROGRAMPROC, DeleteProgram)                                   \
+  X(PFNGLDELETEQUERIESPROC, DeleteQueries)                                   \
   X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                       \
   X(PFNGLDELETESHADERPROC, DeleteShader)                                     \
   X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                 \
@@ -46,12 +48,14 @@ namespace cuesta {
   X(PFNGLDRAWELEMENTSINSTANCEDPROC, DrawElementsInstanced)                   \
   X(PFNGLENABLEPROC, Enable)                                                 \
   X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)               \
+  X(PFNGLENDQUERYPROC, EndQuery)                                             \
   X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)               \
   X(PFNGLFRAMEBUFFERTEXTURE2DPROC, FramebufferTexture2D)                     \
   X(PFNGLFINISHPROC, Finish)                                                 \
   X(PFNGLFRONTFACEPROC, FrontFace)                                           \
   X(PFNGLGENBUFFERSPROC, GenBuffers)                                         \
   X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                               \
+  X(PFNGLGENQUERIESPROC, GenQueries)                                         \
   X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                             \
   X(PFNGLGENTEXTURESPROC, GenTextures)                                       \
   X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                               \
@@ -59,6 +63,7 @@ namespace cuesta {
   X(PFNGLGETINTEGERVPROC, GetIntegerv)                                       \
   X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)                           \
   X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                     \
+  X(PFNGLGETQUERYOBJECTUIVPROC, GetQueryObjectuiv)                           \
   X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)                             \
   X(PFNGLGETSHADERIVPROC, GetShaderiv)                                       \
   X(PFNGLGETSTRINGPROC, GetString)                                           \

@@ -12,6 +12,7 @@
 #include "runtime/draw/frame_target.h"
 #include "runtime/draw/gl_program.h"
 #include "runtime/draw/gpu_object.h"
+#include "runtime/draw/pixel_counts.h"
 #include "runtime/draw/surface_shaders.h"
 #include "runtime/draw/text_painter.h"
 #include "runtime/draw/tom_vertices.h"
@@ -110,6 +111,9 @@ class GlSceneRenderer final : public SceneRenderer {
   void finish() override {
     if (context_->make_current()) gl_.Finish();
   }
+  std::span<const float> pixels() override {
+    return context_->make_current() ? counts_.read() : std::span<const float>();
+  }
   UploadReport uploads() const override { return uploads_; }
   const std::string& driver() const override { return driver_; }
 
@@ -127,6 +131,7 @@ class GlSceneRenderer final : public SceneRenderer {
   std::string driver_;
   std::array<std::optional<GlProgram>, shadings.size()> programs_;
   FrameTarget target_;
+  PixelCounts counts_;
   TextPainter text_;
   std::unordered_map<std::uint32_t, std::unique_ptr<GpuPart>> parts_;
   std::unordered_map<std::uint64_t, GpuBlock> blocks_;
@@ -143,7 +148,7 @@ class GlSceneRenderer final : public SceneRenderer {
 };
 
 GlSceneRenderer::GlSceneRenderer(std::unique_ptr<GlContext> context, const GlFunctions& gl)
-    : context_(std::move(context)), gl_(gl), target_(gl_), text_(gl_) {
+    : context_(std::move(context)), gl_(gl), target_(gl_), counts_(gl_), text_(gl_) {
   gl_.GenBuffers(1, &instance_buffer_);
   const GLubyte* const name = gl_.GetString(GL_RENDERER);
   driver_ =
@@ -263,14 +268,23 @@ Result<void> GlSceneRenderer::draw(const SceneDrawList& list, const View& view, 
   if (!context_->make_current()) return not_current();
   ++picture_;
   uploads_ = {};
-  const auto begun = target_.begin(view.width_px, view.height_px, options.antialias ? antialias_samples : 1);
-  if (!begun) return begun;
+  const int samples = options.antialias ? antialias_samples : 1;
+  if (auto begun = target_.begin(view.width_px, view.height_px, samples); !begun) return begun;
+  counts_.begin_picture(target_.samples());
   clear_picture(gl_, options);
   const GLint anchor = use_program(view, nearest, options).uniform("anchor");
   gl_.Uniform3i(anchor, 0, 0, 0);
   upload_instances(list, view);
-  for (const DrawnGroup& group : list.groups) draw_group(group);
-  for (const DrawnSurface& surface : list.surfaces) draw_surface(surface, view, anchor);
+  for (const DrawnGroup& group : list.groups) {
+    counts_.begin();
+    draw_group(group);
+    counts_.end();
+  }
+  for (const DrawnSurface& surface : list.surfaces) {
+    counts_.begin();
+    draw_surface(surface, view, anchor);
+    counts_.end();
+  }
   gl_.FrontFace(GL_CCW);
   target_.end();
   forget_old();

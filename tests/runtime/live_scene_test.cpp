@@ -154,6 +154,52 @@ TEST(LiveScene, PredictiveHoldsTheDeadline) {
   EXPECT_GT(used, 9);
 }
 
+/// A machine whose frames take as long as what is filled, which is a tenth of the bounds.
+TEST(LiveScene, LearnsWhatPartsFillOfTheirBounds) {
+  const auto scene = row(10);
+  const auto live = open(*scene);
+  SceneFrameOptions options;
+  options.tau_px = 0.01, options.deadline_ms = 40;
+  double error = 0, late = 0;
+  std::vector<float> pixels;
+  for (int i = 0; i < 60; ++i) {
+    View view = from_front(4 + 3 * std::sin(0.3 * i));
+    const auto report = live->frame(view, options);
+    const double bounds = live->work().pixels;
+    if (i == 0) EXPECT_GT(bounds, 320 * 240 * 0.3) << "of a ball that fills the picture, nothing known yet";
+    pixels.clear();
+    const ViewCone cone(view);
+    for (const DrawnGroup& g : live->list().groups) {
+      double sum = 0;
+      for (std::uint32_t k = 0; k < g.count; ++k)
+        sum += cone.footprint(live->ball(live->list().instances[g.first + k].instance)).coverage;
+      pixels.push_back(static_cast<float>(0.1 * sum * 320 * 240));
+    }
+    live->drew(pixels);
+    const double ms = 1 + 5e-4 * live->work().pixels + 1e-3 * live->work().triangles;
+    live->measured(ms + report.choice_ms);
+    if (i < 30) continue;
+    error = std::max(error, std::abs(ms / report.predicted_ms - 1));
+    late += ms > 40 ? 1 : 0;
+  }
+  EXPECT_LT(error, 0.05);
+  EXPECT_EQ(late, 0);
+}
+
+TEST(PartFill, BlendsWhatWasMeasured) {
+  PartFill fill(3);
+  EXPECT_EQ(fill.share(1), 1);
+  fill.add(1, 10, 100);
+  fill.add(1, 30, 100);
+  fill.learn();
+  EXPECT_FLOAT_EQ(static_cast<float>(fill.share(1)), 0.2f);
+  EXPECT_FLOAT_EQ(static_cast<float>(fill.share(2)), 0.2f) << "as all others";
+  fill.add(1, 40, 100);
+  fill.add(2, 0, 0);
+  fill.learn();
+  EXPECT_FLOAT_EQ(static_cast<float>(fill.share(1)), 0.3f);
+}
+
 TEST(LiveScene, NearerAndHeavierObjectsGetMore) {
   const auto scene = row(12);
   const auto live = open(*scene);

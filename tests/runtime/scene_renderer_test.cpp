@@ -161,6 +161,24 @@ TEST(SceneRenderer, UploadsWhatIsNewOnly) {
   EXPECT_LE(renderer().uploads().bytes, 64u) << "the instance alone";
 }
 
+TEST(SceneRenderer, CountsThePixelsOfEachGroup) {
+  Drawing d;
+  d.scene.add_node(d.scene.add_part(bumpy_ball(40, 60)), {0, 0, 0});
+  d.scene.add_node(d.scene.add_part(bumpy_ball(20, 30)), {2, 0, 0});
+  d.open();
+  View view = front_view();
+  const int both = covered(d.draw(view));
+  const auto pixels = renderer().pixels();
+  ASSERT_EQ(pixels.size(), 2u);
+  const double written = double(pixels[0] + pixels[1]);
+  EXPECT_GE(written, both);
+  EXPECT_LE(written, 2.1 * both) << "a far side that was drawn before the near one counts";
+  EXPECT_GT(pixels[0], 500);
+  view.target = view.eye + (view.eye - view.target);
+  d.draw(view);
+  EXPECT_TRUE(renderer().pixels().empty());
+}
+
 TEST(SceneRenderer, NothingInViewIsAnEmptyPicture) {
   const auto d = one_ball();
   View away = front_view();
