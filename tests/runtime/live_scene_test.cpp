@@ -166,7 +166,9 @@ TEST(LiveScene, LearnsWhatPartsFillOfTheirBounds) {
     View view = from_front(4 + 3 * std::sin(0.3 * i));
     const auto report = live->frame(view, options);
     const double bounds = live->work().pixels;
-    if (i == 0) EXPECT_GT(bounds, 320 * 240 * 0.3) << "of a ball that fills the picture, nothing known yet";
+    if (i == 0) {
+      EXPECT_GT(bounds, 320 * 240 * 0.3) << "of a ball that fills the picture, nothing known yet";
+    }
     pixels.clear();
     const ViewCone cone(view);
     for (const DrawnGroup& g : live->list().groups) {
