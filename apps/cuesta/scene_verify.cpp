@@ -6,6 +6,7 @@
 
 #include "apps/cuesta/progress.h"
 #include "apps/cuesta/text_forms.h"
+#include "apps/verify/sample_cuts.h"
 #include "hierarchy/scene_file.h"
 #include "hierarchy/scene_tom.h"
 #include "hierarchy/verify_file.h"
@@ -19,8 +20,8 @@ using nlohmann::ordered_json;
 constexpr std::size_t most_findings = 20;
 
 struct SceneFindings {
-  std::uint64_t toms = 0, surfaces = 0, segments = 0, violations = 0;
-  std::vector<std::string> texts;
+  std::uint64_t toms = 0, surfaces = 0, segments = 0, cuts = 0, violations = 0;
+  std::vector<std::string> texts, skipped;
 
   void add(std::string text) {
     if (texts.size() < most_findings) texts.push_back(std::move(text));
@@ -50,22 +51,40 @@ void check_tom(const SceneFile& file, std::uint32_t part, SceneFindings& found) 
   if (!is_inside(*tom, entry.box)) found.add(fmt::format("part {}: vertices lie outside its box", part));
 }
 
-Result<void> check_surface(const SceneFile& file, std::uint32_t part, SceneFindings& found) {
+/// Sample cuts are of pages that are right.   @error cancelled
+Result<void> check_cuts(const CuestaFile& surface, std::uint32_t part, Progress& progress,
+                        VerifyReport& report) {
+  if (!report.ok()) {
+    report.skipped.push_back("sample cuts (I1, I5): the pages must be right first");
+    return {};
+  }
+  return verify::verify_cuts(surface, {}, report, [&](std::uint64_t done, std::uint64_t total) {
+    return progress.update(fmt::format("sample cuts of part {}", part), Unit::none, done, total);
+  });
+}
+
+Result<void> check_surface(const SceneFile& file, std::uint32_t part, bool quick, Progress& progress,
+                           SceneFindings& found) {
   ++found.surfaces;
   const auto surface = file.open_surface(part);
   if (!surface) {
     found.add(surface.error().text());
     return {};
   }
-  const auto report = verify_file(*surface);
+  auto report = verify_file(*surface);
   if (!report) return fail(report.error());
+  if (!quick)
+    if (auto r = check_cuts(*surface, part, progress, *report); !r) return r;
+  found.cuts += report->cuts;
   for (const Finding& f : report->findings)
     found.add(fmt::format("part {}, page {}: {}: {}", part, f.page, name(f.check), f.text));
   found.violations += report->violations() - report->findings.size();
+  for (const std::string& text : report->skipped)
+    found.skipped.push_back(fmt::format("part {}: {}", part, text));
   return {};
 }
 
-Result<SceneFindings> check_all(const SceneFile& file, Progress& progress) {
+Result<SceneFindings> check_all(const SceneFile& file, bool quick, Progress& progress) {
   SceneFindings found;
   const auto count = static_cast<std::uint32_t>(file.parts().size());
   if (!file.is_whole())
@@ -75,27 +94,29 @@ Result<SceneFindings> check_all(const SceneFile& file, Progress& progress) {
       return fail(ErrorCode::cancelled, file.path().string(), "", "stopped");
     if (file.parts()[part].is_tom())
       check_tom(file, part, found);
-    else if (auto r = check_surface(file, part, found); !r)
+    else if (auto r = check_surface(file, part, quick, progress, found); !r)
       return fail(r.error());
   }
   return found;
 }
 
 std::string json_text(const VerifySettings& s, const SceneFindings& f) {
-  const ordered_json json{{"file", s.file.string()},    {"kind", "scene"},
-                          {"ok", f.violations == 0},    {"toms", f.toms},
-                          {"segments", f.segments},     {"surfaces", f.surfaces},
-                          {"violations", f.violations}, {"findings", f.texts}};
+  const ordered_json json{{"file", s.file.string()}, {"kind", "scene"},
+                          {"ok", f.violations == 0}, {"toms", f.toms},
+                          {"segments", f.segments},  {"surfaces", f.surfaces},
+                          {"sample_cuts", f.cuts},   {"violations", f.violations},
+                          {"findings", f.texts},     {"skipped", f.skipped}};
   return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::string table(const VerifySettings& s, const SceneFindings& f) {
-  std::string text =
-      fmt::format("{}: a scene of {} TOMs in {} segments, and {} fan-hierarchies\n", s.file.string(),
-                  with_commas(f.toms), with_commas(f.segments), with_commas(f.surfaces));
+  std::string text = fmt::format(
+      "{}: a scene of {} TOMs in {} segments, and {} fan-hierarchies; {} sample cuts\n", s.file.string(),
+      with_commas(f.toms), with_commas(f.segments), with_commas(f.surfaces), with_commas(f.cuts));
   text += fmt::format("  {:<56}{}\n", "checksums match, parts decode and agree with the directory",
                       f.violations == 0 ? "ok" : with_commas(f.violations) + " violations");
   for (const std::string& finding : f.texts) text += finding + "\n";
+  for (const std::string& sentence : f.skipped) text += "not checked: " + sentence + "\n";
   return text;
 }
 
@@ -105,7 +126,7 @@ Result<void> run_scene_verify(const VerifySettings& s) {
   Progress progress(s.quiet);
   const auto file = SceneFile::open(s.file);
   if (!file) return fail(file.error());
-  const auto found = check_all(*file, progress);
+  const auto found = check_all(*file, s.quick, progress);
   progress.finish();
   if (!found) return fail(found.error());
   fmt::print("{}", s.json ? json_text(s, *found) : table(s, *found));

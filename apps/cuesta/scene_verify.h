@@ -7,7 +7,8 @@
 namespace cuesta::app {
 
 /// Decodes every part and holds it to the scene's directory; large parts, which are surfaces, to what
-/// verify_file() checks. @error as SceneFile::open; corrupt when something was found; cancelled.
+/// verify_file() checks, and, unless it shall be quick, sample cuts of them to what verify_cuts() does.
+/// @error as SceneFile::open; corrupt when something was found; cancelled.
 Result<void> run_scene_verify(const VerifySettings& settings);
 
 }  // namespace cuesta::app

@@ -110,7 +110,7 @@ Result<VerifyReport> verify_all(const VerifySettings& s, Progress& progress) {
     report->skipped.push_back("sample cuts (I1, I5): the pages must be right first");
     return report;
   }
-  auto cuts = verify::verify_cuts(s.file, {}, *report, [&](std::uint64_t done, std::uint64_t total) {
+  auto cuts = verify::verify_cuts(*file, {}, *report, [&](std::uint64_t done, std::uint64_t total) {
     return progress.update("sample cuts", Unit::none, done, total);
   });
   if (!cuts) return fail(cuts.error());

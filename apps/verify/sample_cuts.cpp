@@ -218,23 +218,19 @@ class CutSampler {
 
 }  // namespace
 
-Result<void> verify_cuts(const std::filesystem::path& path, const SampleOptions& options,
-                         VerifyReport& report, const VerifyProgress& progress) {
-  auto file = CuestaFile::open(path);
-  if (!file) return fail(file.error());
-  if (file->directory().triangles > options.max_triangles) {
-    report.skipped.push_back("sample cuts (I1, I5): " + std::to_string(file->directory().triangles) +
+Result<void> verify_cuts(const CuestaFile& file, const SampleOptions& options, VerifyReport& report,
+                         const VerifyProgress& progress) {
+  if (file.directory().triangles > options.max_triangles) {
+    report.skipped.push_back("sample cuts (I1, I5): " + std::to_string(file.directory().triangles) +
                              " triangles, the limit is " + std::to_string(options.max_triangles));
     return {};
   }
-  auto again = CuestaFile::open(path);
-  if (!again) return fail(again.error());
-  auto cut = Cut::open(std::move(*again), std::numeric_limits<std::uint64_t>::max(), no_clock);
+  auto cut = Cut::open(file, std::numeric_limits<std::uint64_t>::max(), no_clock);
   if (!cut) {
     report.skipped.push_back("sample cuts: the base page cannot be used: " + cut.error().text());
     return {};
   }
-  return CutSampler(*file, **cut, report).run(progress);
+  return CutSampler(file, **cut, report).run(progress);
 }
 
 }  // namespace cuesta::verify

@@ -1,8 +1,7 @@
 #pragma once
-/// Uniform and view-dependent cuts of a file, held to I1, I2's topology, and I5.
+/// Uniform and view-dependent cuts of a surface, held to I1, I2's topology, and I5.
 
 #include <cstdint>
-#include <filesystem>
 
 #include "hierarchy/verify_file.h"
 
@@ -17,8 +16,9 @@ struct SampleOptions {
 /// Adds to `report`: violations, the number of cuts, the median ratio of bound to measured distance, or why
 /// cuts were left out. Uniform: each original vertex is within the reported error of the cut. View-dependent:
 /// the same in pixels as seen from the eye. Parallel in the calling TBB arena.
-/// @error as CuestaFile::open; cancelled.   @cost about 10 µs per triangle.
-Result<void> verify_cuts(const std::filesystem::path& path, const SampleOptions& options,
-                         VerifyReport& report, const VerifyProgress& progress = {});
+/// @param file  a file of its own, or a large part of a scene
+/// @error cancelled.   @cost about 10 µs per triangle.
+Result<void> verify_cuts(const CuestaFile& file, const SampleOptions& options, VerifyReport& report,
+                         const VerifyProgress& progress = {});
 
 }  // namespace cuesta::verify

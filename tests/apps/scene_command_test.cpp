@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "ooc/mesh_reader.h"
+#include "ooc/mesh_writer.h"
+#include "tests/apps/bumpy_sphere.h"
 #include "tests/apps/run_program.h"
 #include "tests/ooc/gltf_files.h"
 
@@ -135,6 +137,24 @@ TEST_F(SceneCommand, the_type_is_seen_where_it_is_not_said) {
   std::filesystem::create_directories(folder_ / "parts");
   std::filesystem::copy(one, folder_ / "parts/a.glb");
   EXPECT_EQ(kind_of({folder_ / "parts"}), "scene");
+}
+
+TEST_F(SceneCommand, large_parts_are_verified_by_sample_cuts) {
+  std::filesystem::create_directory(folder_ / "parts");
+  ASSERT_TRUE(write_mesh(folder_ / "parts/large.ply", bumpy_sphere(60, 60)));
+  ASSERT_TRUE(write_mesh(folder_ / "parts/small.ply", bumpy_sphere(10, 10)));
+  const std::string out = folder_ / "large.cuesta";
+  const auto built = run_words({"build", folder_ / "parts", "--largest-tom", "1000", "-o", out, "--quiet"});
+  ASSERT_EQ(built.status, 0) << built.err;
+  const auto verified = run_words({"verify", out, "--json"});
+  ASSERT_EQ(verified.status, 0) << verified.out;
+  const json all = json::parse(verified.out),
+             quick = json::parse(run_words({"verify", out, "--json", "--quick"}).out);
+  EXPECT_EQ(all["surfaces"], 1);
+  EXPECT_EQ(all["toms"], 1);
+  EXPECT_GT(all["sample_cuts"], 8);
+  EXPECT_TRUE(all["skipped"].empty());
+  EXPECT_EQ(quick["sample_cuts"], 0);
 }
 
 TEST_F(SceneCommand, what_cannot_be_is_told) {

@@ -19,7 +19,7 @@ void expect_honest(const std::filesystem::path& path) {
   const auto file = CuestaFile::open(path);
   ASSERT_TRUE(file);
   VerifyReport report = verify_file(*file).value();
-  const auto done = verify::verify_cuts(path, {}, report);
+  const auto done = verify::verify_cuts(*file, {}, report);
   ASSERT_TRUE(done) << done.error().text();
   for (const Finding& f : report.findings) ADD_FAILURE() << name(f.check) << ": " << f.text;
   EXPECT_TRUE(report.skipped.empty());
