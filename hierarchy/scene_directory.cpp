@@ -337,7 +337,7 @@ std::uint64_t lay_out(SceneDirectory& directory, std::uint64_t first_byte) {
   std::uint64_t at = first_byte;
   const auto place = [&at](std::uint64_t& offset, std::uint64_t bytes) {
     offset = container_aligned(at);
-    at = std::min(offset + bytes, largest_file);
+    if (bytes > 0) at = std::min(offset + bytes, largest_file);  // a surface may be its base page alone
   };
   for (BlockRef* block : blocks_in_order(directory)) place(block->offset, block->bytes);
   for (ScenePartEntry& part : directory.parts)
