@@ -1,6 +1,7 @@
 #include "hierarchy/vertical_deviation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "hierarchy/vector_clones.h"
@@ -26,6 +27,14 @@ Altitudes altitudes(const UprightTriangle& t, Vec3f up) {
           twice_area / length(cross(up, ab))};
 }
 
+/// Where a vertical passes a triangle a little outside, the plane goes on above or below it, but the triangle
+/// ends: so much is added to the distance from the plane for each step outside.
+struct Overhang {
+  explicit Overhang(const UprightTriangle& t)
+      : per_step(1 / t.uprightness), rounding(std::sqrt(t.longest_squared) * 0x1p-20f) {}
+  float per_step, rounding;  // what is no farther outside than f32 may say is on the edge
+};
+
 /// One up for all: distances from edges and heights are linear in the point.
 CUESTA_VECTOR_CLONES
 void measure_on_plane(const UprightTriangle& t, Vec3f up, std::int32_t index, const VerticalPoints& points) {
@@ -35,6 +44,7 @@ void measure_on_plane(const UprightTriangle& t, Vec3f up, std::int32_t index, co
   // Each by a vector of its own: of a needle, two distances do not tell the third in f32.
   const Vec3f to_a = cross(up, ac - ab) * (inv * alt.a), to_b = cross(ac, up) * (inv * alt.b),
               to_c = cross(up, ab) * (inv * alt.c), to_h = t.normal * (1.0f / upright);
+  const Overhang overhang(t);
   const std::size_t n = padded(points.count);
   const float* __restrict x = points.x, * __restrict y = points.y, * __restrict z = points.z;
   float* __restrict inside = points.inside, * __restrict squared = points.squared;
@@ -47,7 +57,8 @@ void measure_on_plane(const UprightTriangle& t, Vec3f up, std::int32_t index, co
     const float from_a = alt.a + (qx * to_a.x + qy * to_a.y + qz * to_a.z);
     const float least = std::min(std::min(b, c), from_a);
     const bool better = least > inside[i];
-    squared[i] = better ? h * h : squared[i];
+    const float d = std::abs(h) + std::max(0.0f, -least - overhang.rounding) * overhang.per_step;
+    squared[i] = better ? d * d : squared[i];
     nearest[i] = better ? index : nearest[i];
     inside[i] = better ? least : inside[i];
   }
@@ -60,6 +71,7 @@ void measure_on_ellipsoid(const UprightTriangle& t, Vec3f up_at_a, std::int32_t 
   // The up at a corner stands for all: what little they differ changes no sign.
   const Altitudes alt = altitudes(t, up_at_a);
   const float per_twice_area = 1.0f / t.twice_area;
+  const Overhang overhang(t);
   const std::size_t count = padded(points.count);
   const float* __restrict x = points.x, * __restrict y = points.y, * __restrict z = points.z;
   const float* __restrict ux = points.up_x, * __restrict uy = points.up_y, * __restrict uz = points.up_z;
@@ -78,7 +90,9 @@ void measure_on_ellipsoid(const UprightTriangle& t, Vec3f up_at_a, std::int32_t 
     const float from_a = 1.0f + (mx * bc.x + my * bc.y + mz * bc.z) * inv;
     const float least = upright > 0 ? std::min(std::min(b * alt.b, c * alt.c), from_a * alt.a) : -1e30f;
     const bool better = least > inside[i];
-    squared[i] = better ? h * h * per_up : squared[i];
+    const float d =
+        std::abs(h) * std::sqrt(per_up) + std::max(0.0f, -least - overhang.rounding) * overhang.per_step;
+    squared[i] = better ? d * d : squared[i];
     nearest[i] = better ? index : nearest[i];
     inside[i] = better ? least : inside[i];
   }
