@@ -70,9 +70,9 @@ class FanCover {
     std::uint32_t seen;                 // in this substitution; or gone
   };
   struct VertexState {
-    std::uint32_t point;         // first of its wedge group
-    std::uint32_t first, last;   // of its corners
-    std::uint32_t covered_by;    // a point: the last fan
+    std::uint32_t point;        // first of its wedge group
+    std::uint32_t first, last;  // of its corners
+    std::uint32_t covered_by;   // a point: the last fan
     Vec3f position;
   };
 

@@ -36,7 +36,7 @@ struct Page {
       wedge_tails;  ///< ascending: vertices in the wedge group of the vertex before them
   Script script;
   std::vector<std::uint32_t> orphans;  ///< ascending; neither removed nor used by a surviving triangle
-  VertexTable owned;  ///< ascending local order
+  VertexTable owned;                   ///< ascending local order
   std::vector<Vec3i> survivors;  ///< positions of the vertices that coarser pages own, ascending local order
   std::vector<PageSource> sources;
 };

@@ -330,7 +330,7 @@ class FanMerger {
       const float deviation = kernel_.measure_absorption(members, candidate.target);
       const ErrorCode8 error = encode_error_up(std::max(deviation, kernel_.birth_error()));
       const auto first = static_cast<std::uint32_t>(result_.script.children.size());
-        changed_.clear();
+      changed_.clear();
       kernel_.absorb(members, candidate.target, error, result_.script.children, changed_);
       for (PointId p : members) note_gone(p);
       close_fan(candidate.target, first, error);
@@ -341,8 +341,10 @@ class FanMerger {
 
   void close_fan(PointId v, std::uint32_t first, ErrorCode8 error) {
     largest_error_ = std::max(largest_error_, decode_error(error));
-    result_.script.fans.push_back({kernel_.first_vertex(v), first,
-                                   static_cast<std::uint32_t>(result_.script.children.size()) - first, {}});
+    result_.script.fans.push_back({kernel_.first_vertex(v),
+                                   first,
+                                   static_cast<std::uint32_t>(result_.script.children.size()) - first,
+                                   {}});
     kernel_.rebirth(changed_, decode_error(error));
   }
 

@@ -40,9 +40,9 @@ Result<AtomicFile> AtomicFile::resume(const std::filesystem::path& path, std::ui
   const auto size = part->size();
   if (!size) return fail(size.error());
   if (*size < bytes)
-    return fail(ErrorCode::corrupt, part_of(path).string(), "",
-                "expected " + std::to_string(bytes) + " bytes of an unfinished file, found " +
-                    std::to_string(*size));
+    return fail(
+        ErrorCode::corrupt, part_of(path).string(), "",
+        "expected " + std::to_string(bytes) + " bytes of an unfinished file, found " + std::to_string(*size));
   if (auto r = part->resize(bytes); !r) return fail(r.error());
   return AtomicFile(path, std::move(*part), bytes);
 }

@@ -16,7 +16,7 @@ struct CleanReport {
   std::uint64_t vertices_unused = 0;
   std::uint64_t wedge_groups = 0;  ///< positions with more than one vertex: attribute seams
 
-  std::uint64_t border_points = 0;  ///< on open borders; counted where borders are welded only
+  std::uint64_t border_points = 0;         ///< on open borders; counted where borders are welded only
   std::uint64_t border_points_welded = 0;  ///< of these, moved to another within the tolerance
 
   void add(const CleanReport& other) {

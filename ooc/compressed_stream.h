@@ -22,8 +22,9 @@ std::string_view name(Compression compression);
 /// A stream is refused once its output is larger than both bounds. gzip itself reaches 1032:1, on zeros only;
 /// meshes reach 20:1 or so.
 struct UnpackLimits {
-  std::uint64_t memory_bytes = std::uint64_t{160}
-                               << 20;  ///< for the decoder: a Zstandard window is at most 128 MiB, one of xz -9 is 64
+  std::uint64_t memory_bytes =
+      std::uint64_t{160}
+      << 20;  ///< for the decoder: a Zstandard window is at most 128 MiB, one of xz -9 is 64
   std::uint64_t always_allowed_bytes = std::uint64_t{1} << 30;
   std::uint64_t most_ratio = 1000;
 };

@@ -21,12 +21,14 @@ void mark_copies(std::span<Face> faces, std::vector<FaceFault>& faults) {
   if (faces.size() <= kManyFaces) {
     for (std::size_t i = 1; i < faces.size(); ++i)
       for (std::size_t j = 0; j < i; ++j)
-        if (faces[j].higher_groups == faces[i].higher_groups) faults[faces[i].triangle] = FaceFault::duplicate;
+        if (faces[j].higher_groups == faces[i].higher_groups)
+          faults[faces[i].triangle] = FaceFault::duplicate;
     return;
   }
   std::ranges::sort(faces);
   for (std::size_t i = 1; i < faces.size(); ++i)
-    if (faces[i].higher_groups == faces[i - 1].higher_groups) faults[faces[i].triangle] = FaceFault::duplicate;
+    if (faces[i].higher_groups == faces[i - 1].higher_groups)
+      faults[faces[i].triangle] = FaceFault::duplicate;
 }
 
 }  // namespace

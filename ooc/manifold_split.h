@@ -16,8 +16,8 @@ namespace cuesta {
 struct SplitVertices {
   std::vector<std::uint32_t> source;  ///< per new vertex: the old vertex with its position and attributes
   std::vector<std::uint32_t> group;   ///< per new vertex: the first new vertex of its group
-  std::uint64_t used_before = 0;  ///< whole old vertices that a triangle uses
-  std::uint64_t copies = 0;       ///< whole new vertices beyond those
+  std::uint64_t used_before = 0;      ///< whole old vertices that a triangle uses
+  std::uint64_t copies = 0;           ///< whole new vertices beyond those
 };
 
 /// Renumbers `triangles` to the new vertices.

@@ -16,7 +16,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 constexpr double steps = 65535;  // of the 16-bit grid
 
-/// Bound of the f32 evaluation of a limit, relative to its terms: nine roundings of 2^-24, the eye's and limit_slack.
+/// Bound of the f32 evaluation of a limit, relative to its terms: nine roundings of 2^-24, the eye's and
+/// limit_slack.
 constexpr double rounding = 1.0 / (1 << 20);
 
 struct Block {
@@ -106,8 +107,11 @@ std::uint32_t ActiveNodes::test(Vec3d eye, double limit_per_unit, double floor, 
                                 std::vector<std::uint32_t>& fans) {
   if (!all && expiry_least_ > travelled) return 0;
   // Half a step in each of three directions and of the radius; a little more for the division by the unit.
-  const Test t{vec_cast<float>((eye - origin_) / static_cast<double>(place_unit_)), place_unit_, radius_unit_,
-               static_cast<float>(limit_per_unit), static_cast<float>(floor),
+  const Test t{vec_cast<float>((eye - origin_) / static_cast<double>(place_unit_)),
+               place_unit_,
+               radius_unit_,
+               static_cast<float>(limit_per_unit),
+               static_cast<float>(floor),
                0.88f * place_unit_ + 0.51f * radius_unit_};
   std::uint32_t looked_at = 0;
   expiry_least_ = infinity;
@@ -152,7 +156,8 @@ std::uint32_t ActiveNodes::take_all(std::vector<std::uint32_t>& fans) {
 }
 
 std::uint64_t ActiveNodes::bytes() const {
-  return fan_of_node_.size() * (4 * sizeof(std::uint16_t) + 2 + 4) + node_of_fan_.size() * 4 + expiry_.size() * 8;
+  return fan_of_node_.size() * (4 * sizeof(std::uint16_t) + 2 + 4) + node_of_fan_.size() * 4 +
+         expiry_.size() * 8;
 }
 
 }  // namespace cuesta

@@ -20,15 +20,17 @@ constexpr std::size_t pages_per_batch = 32;  // that threads test together
 constexpr double plan_share = 0.5;
 /// A camera that has not moved for so many calls is at rest.
 constexpr std::uint32_t frames_to_rest = 8;
-/// Pages up to so many times the distance of the nearest one take the fine path, at up to this speed (of that distance,
-/// per frame); at twice the speed it is half as far.
+/// Pages up to so many times the distance of the nearest one take the fine path, at up to this speed (of that
+/// distance, per frame); at twice the speed it is half as far.
 constexpr double fine_reach = 3, fine_speed = 0.02;
 /// A page on the fine path leaves it so much farther out than one on the coarse path takes it.
 constexpr double path_dead_band = 1.25;
-/// Pages are asked for that will be wanted in so many frames, but not at the cost of pages wanted less long ago.
+/// Pages are asked for that will be wanted in so many frames, but not at the cost of pages wanted less long
+/// ago.
 constexpr double prefetch_frames = 20;
 constexpr std::uint64_t prefetch_keeps_frames = 60;
-/// Beyond this speed, of the distance of the nearest page per frame, a camera jumps: where to, its path does not tell.
+/// Beyond this speed, of the distance of the nearest page per frame, a camera jumps: where to, its path does
+/// not tell.
 constexpr double prefetch_speed = 0.25;
 
 template <class Element, class Run>
@@ -68,7 +70,7 @@ struct Cut::Frame {
   bool at_rest = false;
   bool all_planned = false, blocked = false;  // blocked: a refinement found no triangles left
   bool coarsened = false, refined = false;
-  bool merges_wait = false;  // for their geomorphs
+  bool merges_wait = false;    // for their geomorphs
   std::uint32_t unlooked = 0;  // operations or blocks since the last look at the clock
   double undone_sse = 0;       // of what a budget left undone
 };
@@ -123,12 +125,13 @@ void Cut::recount() {
 
 /// @return false if the time ended it.
 bool Cut::count_triangles(const Frame& f, double floor, bool in_time) {
-  return triangle_demand_.count(*cache_, f.scale, [&](PageId id) { return factor_of(f.scale, id); }, floor,
-                                f.budgets.triangles, [&] { return in_time && out_of_time(f, 1); });
+  return triangle_demand_.count(
+      *cache_, f.scale, [&](PageId id) { return factor_of(f.scale, id); }, floor, f.budgets.triangles,
+      [&] { return in_time && out_of_time(f, 1); });
 }
 
-/// The threshold of this frame: the user's, raised by the regulator, at rest by what exactly fits, and by what the byte
-/// budget leaves.
+/// The threshold of this frame: the user's, raised by the regulator, at rest by what exactly fits, and by
+/// what the byte budget leaves.
 void Cut::choose_tau(Frame& f) {
   if (shrunk_ && cache_->pool().active_triangles() > f.budgets.triangles) {
     recount();
@@ -175,8 +178,8 @@ void Cut::load_pages(Frame& f) {
   }
 }
 
-/// Factors of visual error. A page takes no larger one than the pages that lean on it, of those that are wanted: what leans
-/// on a page that is not is applied anyway.
+/// Factors of visual error. A page takes no larger one than the pages that lean on it, of those that are
+/// wanted: what leans on a page that is not is applied anyway.
 void Cut::weigh_pages(const Frame& f) {
   if (!visual_.on() || f.scale.is_uniform()) {
     visual_factor_.clear();
@@ -206,8 +209,7 @@ void Cut::prefetch(Frame& f) {
     return;
   const double speed = length(velocity_);
   if (speed == 0 || speed > nearest_ * prefetch_speed) return;
-  for (const WantedPage& w :
-       predicted_.find(*cache_, f.scale.moved(velocity_ * prefetch_frames), f.aim)) {
+  for (const WantedPage& w : predicted_.find(*cache_, f.scale.moved(velocity_ * prefetch_frames), f.aim)) {
     if (cache_->busy()) return;
     if (cache_->requestable(w.id) && !cache_->request(w.id, frame_ - prefetch_keeps_frames, true)) return;
   }
@@ -239,8 +241,9 @@ FanPath Cut::path_for(const Frame& f, const Sphere& bound, FanPath now) const {
   return distance <= reach * (now == FanPath::fine ? path_dead_band : 1) ? FanPath::fine : FanPath::coarse;
 }
 
-/// Finds what is to be moved, page by page in one direction. Where the time ends it, what leans on the planned part in
-/// that direction is complete, and so is what may be done: coarsenings when finer pages came first, else refinements.
+/// Finds what is to be moved, page by page in one direction. Where the time ends it, what leans on the
+/// planned part in that direction is complete, and so is what may be done: coarsenings when finer pages came
+/// first, else refinements.
 void Cut::plan(Frame& f) {
   coarsen_.clear();
   refine_.clear();
@@ -254,7 +257,8 @@ void Cut::plan(Frame& f) {
       if (out_of_time(f, plan_share)) return;
     }
     test_count_ = 0;
-    for (; i < ids.size() && test_count_ < batch; ++i) make_test(f, finer_first_ ? ids[i] : ids[ids.size() - 1 - i]);
+    for (; i < ids.size() && test_count_ < batch; ++i)
+      make_test(f, finer_first_ ? ids[i] : ids[ids.size() - 1 - i]);
     run_tests(f);
     plan_tests(f);
   }
@@ -268,7 +272,8 @@ void Cut::make_test(const Frame& f, PageId id) {
   const Sphere& bound = directory().pages[id].bound;
   const double factor = factor_of(f.scale, id);
   const double limit = f.aim * f.scale.unit() * factor;
-  const bool same_limit = std::abs(limit - page.tested_limit) <= ActiveNodes::limit_slack * std::abs(page.tested_limit);
+  const bool same_limit =
+      std::abs(limit - page.tested_limit) <= ActiveNodes::limit_slack * std::abs(page.tested_limit);
   const bool all = page.set_path(path_for(f, bound, page.path())) || !same_limit;
   if (all) page.tested_limit = limit;
   if (!all && !page.active_nodes().due(travelled_)) return;
@@ -290,8 +295,9 @@ void Cut::run_tests(const Frame& f) {
       return;
     }
     const bool near_and_far = !f.scale.is_uniform() && t.limit > 0 && t.limit < infinity;
-    t.blocks = near_and_far ? nodes.test(f.scale.eye(), t.limit, ErrorScale::nearest, travelled_, t.all, t.candidates)
-                            : nodes.test_uniform(*same < infinity ? t.limit : infinity, t.candidates);
+    t.blocks = near_and_far
+                   ? nodes.test(f.scale.eye(), t.limit, ErrorScale::nearest, travelled_, t.all, t.candidates)
+                   : nodes.test_uniform(*same < infinity ? t.limit : infinity, t.candidates);
   };
   for_each(std::span(tests_).first(test_count_), parallel_, run);
 }
@@ -367,8 +373,9 @@ bool Cut::move(Frame& f, const Operation& op, std::uint16_t goal) {
     return false;
   }
   const FanState before = page.fans()[op.fan];
-  const bool whole = before.child_count > 1 && (before.applied == 0 ? goal == before.child_count
-                                                                    : goal == 0 && before.applied == before.child_count);
+  const bool whole =
+      before.child_count > 1 &&
+      (before.applied == 0 ? goal == before.child_count : goal == 0 && before.applied == before.child_count);
   page.move_fan(op.fan, goal);
   if (goal > before.applied)
     geomorphs_.vanish(page, op.fan, before.applied, goal);
@@ -434,10 +441,11 @@ bool Cut::refine(Frame& f) {
   return true;
 }
 
-/// Where nothing is left to do at this threshold: is it the least that the triangle budget allows, and is there room for a
-/// part of the next step?
+/// Where nothing is left to do at this threshold: is it the least that the triangle budget allows, and is
+/// there room for a part of the next step?
 void Cut::rest(Frame& f) {
-  const bool done = f.all_planned && f.coarsened && f.refined && f.report.pages_missing == 0 && !f.merges_wait;
+  const bool done =
+      f.all_planned && f.coarsened && f.refined && f.report.pages_missing == 0 && !f.merges_wait;
   const bool moved = f.report.coarse_operations + f.report.fine_operations + f.report.pages_loaded > 0;
   if (!done || moved || !f.at_rest) return;
   const bool free = !f.blocked && f.aim == f.floor;
@@ -504,9 +512,10 @@ AdaptReport Cut::adapt(const ErrorScale& scale, double tau, const Budgets& budge
   report.upload_bytes = pool.upload_bytes() - f.upload_start + report.morphing * sizeof(DrawVertex);
   report.adapt_ms = clock_() - f.start_ms;
   const auto share = [](double used, double budget) { return used / budget; };
-  load_ = std::max({share(static_cast<double>(report.triangles), static_cast<double>(budgets.triangles)),
-                    share(report.adapt_ms, budgets.adapt_ms),
-                    share(static_cast<double>(report.upload_bytes), static_cast<double>(budgets.upload_bytes))});
+  load_ =
+      std::max({share(static_cast<double>(report.triangles), static_cast<double>(budgets.triangles)),
+                share(report.adapt_ms, budgets.adapt_ms),
+                share(static_cast<double>(report.upload_bytes), static_cast<double>(budgets.upload_bytes))});
   report_ = report;
   return report;
 }
@@ -537,8 +546,8 @@ double Cut::achieved(const ErrorScale& scale) const {
     for (std::size_t f = 0; f < page.fans().size(); ++f) {
       const FanState& fan = page.fans()[f];
       if (fan.applied > 0)
-        worst = std::max(worst, scale.sse(decode_error(page.children(fan)[fan.applied - 1u].error), page.sphere(f),
-                                          factor));
+        worst = std::max(worst, scale.sse(decode_error(page.children(fan)[fan.applied - 1u].error),
+                                          page.sphere(f), factor));
     }
   }
   for (PageId id = 0; id < directory().pages.size(); ++id) {

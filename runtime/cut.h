@@ -28,17 +28,24 @@ struct Budgets {
   double adapt_ms = std::numeric_limits<double>::infinity();
   std::uint64_t triangles = std::numeric_limits<std::uint64_t>::max();
   std::uint32_t page_loads = std::numeric_limits<std::uint32_t>::max();  ///< pages asked for in this call
-  /// Vertices and indices that the next draw_list() will have changed; a single substitution is done even if it alone
-  /// is above.
+  /// Vertices and indices that the next draw_list() will have changed; a single substitution is done even if
+  /// it alone is above.
   std::uint64_t upload_bytes = std::numeric_limits<std::uint64_t>::max();
 
   friend bool operator==(const Budgets&, const Budgets&) = default;
 };
 
-enum class Binding : std::uint8_t { nothing, adapt_time, triangles, page_loads, resident_bytes, upload_bytes };
+enum class Binding : std::uint8_t {
+  nothing,
+  adapt_time,
+  triangles,
+  page_loads,
+  resident_bytes,
+  upload_bytes
+};
 
-/// Which paths fans take. By itself near, slow ones take the fine path and others the coarse one; a camera at rest
-/// ends on the fine path everywhere, so its cut does not tell how it came there.
+/// Which paths fans take. By itself near, slow ones take the fine path and others the coarse one; a camera at
+/// rest ends on the fine path everywhere, so its cut does not tell how it came there.
 enum class PathPolicy : std::uint8_t { by_motion, always_fine, always_coarse };
 
 struct AdaptReport {
@@ -49,9 +56,9 @@ struct AdaptReport {
   std::uint32_t pages_missing = 0;      ///< wanted, but not there yet
   std::uint32_t morphing = 0;           ///< vertices in the middle of a geomorph
   std::uint32_t blocks_tested = 0;      ///< of ActiveNodes::block fans
-  double tau = 0;       ///< threshold aimed at: the user's, or larger where a budget binds
-  double achieved = 0;  ///< bound of the sse of applied substitutions, infinite while that is not known: pixels,
-                        ///< world units for uniform cuts
+  double tau = 0;                       ///< threshold aimed at: the user's, or larger where a budget binds
+  double achieved = 0;  ///< bound of the sse of applied substitutions, infinite while that is not known:
+                        ///< pixels, world units for uniform cuts
   double adapt_ms = 0;
   double load_ms = 0;  ///< of loads on the caller's thread, beyond adapt_ms
   std::uint64_t resident_bytes = 0;
@@ -69,7 +76,8 @@ using Clock = std::function<double()>;
 class Cut {
  public:
   /// Opens with the coarsest cut, the base page resident.
-  /// @param load_threads  that read and decode pages; 0: adapt() does it, and waits for it.   @error as PageCache::open.
+  /// @param load_threads  that read and decode pages; 0: adapt() does it, and waits for it.   @error as
+  /// PageCache::open.
   static Result<std::unique_ptr<Cut>> open(CuestaFile file, std::uint64_t cache_bytes, Clock clock,
                                            std::uint32_t load_threads = 0) {
     return open(std::move(file), cache_bytes, std::move(clock), page_loader(load_threads));
@@ -79,24 +87,26 @@ class Cut {
                                            const MakePageLoader& make_loader);
 
   /// Refines and coarsens until every substitution with sse > `tau` is undone and every other applied, or a
-  /// budget binds. Coarsens by rising sse, refines by falling sse, so wherever it stops the cut is legal. Where the
-  /// view does not change from call to call, the cut comes to rest at the one that the same arguments give from
-  /// everywhere: with the least threshold that the triangle and byte budgets allow, and of the next step of
-  /// thresholds the worst, as far as the triangles go.
+  /// budget binds. Coarsens by rising sse, refines by falling sse, so wherever it stops the cut is legal.
+  /// Where the view does not change from call to call, the cut comes to rest at the one that the same
+  /// arguments give from everywhere: with the least threshold that the triangle and byte budgets allow, and
+  /// of the next step of thresholds the worst, as far as the triangles go.
   /// @param tau  pixels (uniform: world units); substitutions with sse ≤ tau are applied. Negative: nothing
   /// is applied, the full resolution.
   /// @post the cut is legal, also when pages are missing; triangles ≤ budget, unless the coarsest cut has
   /// more, or the cut came in above it and adapt_ms ended first.
   /// @error never; pages that cannot be read are in cache().errors(), and are drawn coarser.
   /// A triangle budget below what is drawn is answered with a count of all fans, beyond adapt_ms, once.
-  /// @cost O(resident pages + blocks without slack + changes); O(1) at rest. No allocation after warm-up but for pages.
+  /// @cost O(resident pages + blocks without slack + changes); O(1) at rest. No allocation after warm-up but
+  /// for pages.
   AdaptReport adapt(const ErrorScale& scale, double tau, const Budgets& budgets);
 
   /// adapt() until it is settled or `max_calls` is reached, waiting for pages; the last report, with sums of
   /// operations and times, and the exact `achieved`.
   AdaptReport settle(const ErrorScale& scale, double tau, const Budgets& budgets, int max_calls = 1000);
 
-  /// Largest sse of an applied substitution and of what is not resident.   @cost O(fans of resident pages + pages).
+  /// Largest sse of an applied substitution and of what is not resident.   @cost O(fans of resident pages +
+  /// pages).
   double achieved(const ErrorScale& scale) const;
 
   void set_path_policy(PathPolicy policy) { policy_ = policy, settled_ = false; }
@@ -104,7 +114,8 @@ class Cut {
   void set_visual_error(const VisualError& visual) { visual_ = visual, scale_.reset(); }
   /// Length of the blends on the fine path; 0, the default: none. settle() ends all that are under way.
   void set_geomorph_ms(double ms) { geomorphs_.set_duration_ms(ms); }
-  /// Blocks of many pages are tested by all threads of the caller's oneTBB arena; off by default. The cut is the same.
+  /// Blocks of many pages are tested by all threads of the caller's oneTBB arena; off by default. The cut is
+  /// the same.
   void set_parallel(bool on) { parallel_ = on; }
   /// Draw lists say how each triangle came to be drawn.
   void set_tagging(bool on) { cache_->pool().set_tagging(on); }
@@ -173,8 +184,8 @@ class Cut {
   TriangleDemand triangle_demand_;
   std::optional<double> rest_tau_;  // what the triangle budget allows here, once it is known
   bool counted_ = false;            // by triangle_demand_, with the pages that are resident
-  bool filling_ = false;            // at rest at rest_tau_; the worst of what is next take what is left of the budget
-  double load_ = 0;                 // share of the tightest budget that the last frame used
+  bool filling_ = false;  // at rest at rest_tau_; the worst of what is next take what is left of the budget
+  double load_ = 0;       // share of the tightest budget that the last frame used
   bool settled_ = false, finer_first_ = false;
   bool shrunk_ = false;  // the triangle budget has just become smaller
   AdaptReport report_;

@@ -43,7 +43,7 @@ struct DrawList {
   std::span<const Range> changed_indices;
   std::span<const MorphedVertex> morphed = {};  ///< drawn instead of what `vertices` holds, in this frame
   // For debug views; empty where the owner does not keep them.
-  std::span<const std::uint32_t> draw_pages = {};   ///< page of each of `draws`
+  std::span<const std::uint32_t> draw_pages = {};    ///< page of each of `draws`
   std::span<const std::uint8_t> triangle_tags = {};  ///< a TriangleTag per triangle of `indices`
 };
 

@@ -23,9 +23,9 @@ class ErrorScale {
 
   /// Uniform cuts: sse is the error itself, in world units.
   static ErrorScale uniform(const Grid& grid);
-  /// Uniform within a part: outside no error counts, and on its borders each counts 1 / border_share times, so that
-  /// parts meet. Cuts of two parts with a border in common agree, at one tau, on all triangles that touch it, and
-  /// at other taus to within border_share times their sum.   @pre 0 < border_share ≤ 1.
+  /// Uniform within a part: outside no error counts, and on its borders each counts 1 / border_share times,
+  /// so that parts meet. Cuts of two parts with a border in common agree, at one tau, on all triangles that
+  /// touch it, and at other taus to within border_share times their sum.   @pre 0 < border_share ≤ 1.
   static ErrorScale part(const Grid& grid, SurfacePart part, double border_share);
   /// Perspective view. Pages wholly outside the view frustum, widened by `margin` times its half-angles,
   /// count `outside_factor` times less; 1 makes the whole surface count. (By pages, whose bounds contain
@@ -55,8 +55,8 @@ class ErrorScale {
   bool invisible(const Sphere& bound) const;
 
   bool is_uniform() const { return uniform_; }
-  /// By how much a uniform scale is larger for all spheres in the ball: 1, or infinity outside of a part; nothing where they
-  /// differ, on its borders.
+  /// By how much a uniform scale is larger for all spheres in the ball: 1, or infinity outside of a part;
+  /// nothing where they differ, on its borders.
   std::optional<double> same_within(const Sphere& bound) const;
   Vec3d eye() const { return eye_; }  ///< grid units
   /// Grid units of error per pixel and grid unit of distance; uniform: per world unit.

@@ -16,10 +16,10 @@ constexpr std::uint64_t triangle_block_bytes = std::uint64_t{GeometryPool::block
 /// The last number names nothing, so that handles · 4 + 3 and slots fit 32 bits.
 constexpr std::uint64_t most_blocks = (std::uint64_t{1} << 30) / GeometryPool::block - 1;
 
-/// The most blocks that any choice of pages has within the budget, but for parts of a page: those with the most blocks for
-/// what they are charged come first. (Sums of 10^6 pages, once.)
+/// The most blocks that any choice of pages has within the budget, but for parts of a page: those with the
+/// most blocks for what they are charged come first. (Sums of 10^6 pages, once.)
 std::uint32_t most_blocks_within(std::vector<std::pair<std::uint64_t, std::uint64_t>> blocks_and_charges,
-                                        std::uint64_t budget_bytes) {
+                                 std::uint64_t budget_bytes) {
   std::sort(blocks_and_charges.begin(), blocks_and_charges.end(), [](const auto& a, const auto& b) {
     return static_cast<double>(a.first) * static_cast<double>(b.second) >
            static_cast<double>(b.first) * static_cast<double>(a.second);
@@ -227,7 +227,8 @@ void GeometryPool::mark_tags() {
   }
   tags_.assign(std::size_t{triangle_blocks_.end()} * block, 0);
   for (const Tag& t : tagged_)
-    if (owner_[t.triangle / block] != no_run) tags_[place_[t.triangle]] = std::max(tags_[place_[t.triangle]], t.kind);
+    if (owner_[t.triangle / block] != no_run)
+      tags_[place_[t.triangle]] = std::max(tags_[place_[t.triangle]], t.kind);
   tagged_.clear();
 }
 

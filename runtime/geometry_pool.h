@@ -1,7 +1,8 @@
 #pragma once
 /// Vertices and triangles of all resident pages, in the form in which they are drawn.
-/// A page owns blocks of vertex slots and blocks of triangles, wherever they were free, so whether a page fits is a
-/// question of how many are free and of nothing else. Its active triangles are kept at the front of its blocks.
+/// A page owns blocks of vertex slots and blocks of triangles, wherever they were free, so whether a page
+/// fits is a question of how many are free and of nothing else. Its active triangles are kept at the front of
+/// its blocks.
 
 #include <cstdint>
 #include <map>
@@ -37,11 +38,11 @@ class BlockAllocator {
 /// Names a triangle as long as its page is resident.
 using TriangleHandle = std::uint32_t;
 
-/// 20 bytes per vertex slot (28 with texture coordinates); 20 bytes per triangle: three indices, its place, and who is
-/// at its place. Threads: one, but for the init_ functions of different pages.
+/// 20 bytes per vertex slot (28 with texture coordinates); 20 bytes per triangle: three indices, its place,
+/// and who is at its place. Threads: one, but for the init_ functions of different pages.
 class GeometryPool {
  public:
-  static constexpr std::uint32_t block = 256;       ///< vertex slots or triangles that are handed out together
+  static constexpr std::uint32_t block = 256;  ///< vertex slots or triangles that are handed out together
   static constexpr std::uint32_t dirty_block = 64;  ///< triangles that are uploaded together
   static constexpr std::uint32_t dirty_bytes = dirty_block * 12;
 
@@ -49,7 +50,8 @@ class GeometryPool {
     std::uint32_t vertex_blocks = 0;
     std::uint32_t triangle_blocks = 0;
   };
-  /// What a page owns. Triangle i has the handle triangle_blocks[i / block] · block + i % block, vertex i likewise.
+  /// What a page owns. Triangle i has the handle triangle_blocks[i / block] · block + i % block, vertex i
+  /// likewise.
   struct PageRun {
     std::vector<std::uint32_t> vertex_blocks, triangle_blocks;
     std::uint32_t vertices = 0;
@@ -63,7 +65,8 @@ class GeometryPool {
   /// Bytes of the pool that a page takes.
   static std::uint64_t page_bytes(std::uint32_t vertices, std::uint32_t triangles, bool texcoords);
   /// Enough for every page of a file, and not more than `budget_bytes` can hold.
-  /// @param charges  bytes of the budget that each page takes at least: no more pages than they allow have room.
+  /// @param charges  bytes of the budget that each page takes at least: no more pages than they allow have
+  /// room.
   static Capacity capacity_for(const Directory& directory, std::uint64_t budget_bytes,
                                std::span<const std::uint64_t> charges);
 
@@ -104,20 +107,22 @@ class GeometryPool {
   /// Uploads of the page's vertices, at most `most_bytes` of them, are due in this frame.
   /// @return true when all of them have been.
   bool upload_vertices(RunId run, std::uint64_t most_bytes);
-  /// Off: vertices of new pages are at once as good as uploaded, and in no list. For who sends vertices when they are
-  /// first drawn.
+  /// Off: vertices of new pages are at once as good as uploaded, and in no list. For who sends vertices when
+  /// they are first drawn.
   void set_vertex_uploads(bool on) { vertex_uploads_ = on; }
   /// What the next draw_list() will ask to upload.
   std::uint64_t upload_bytes() const { return vertex_upload_bytes_ + dirty_.size() * dirty_bytes; }
 
-  /// Notes for draw_list() that a substitution of the given kind changed a triangle; nothing when `tagging` is off.
+  /// Notes for draw_list() that a substitution of the given kind changed a triangle; nothing when `tagging`
+  /// is off.
   void tag(TriangleHandle t, std::uint8_t kind) {
     if (tagging_) tagged_.push_back({t, kind});
   }
   void set_tagging(bool on) { tagging_ = on; }
   bool tagging() const { return tagging_; }
 
-  /// What to draw of the runs, in the order given; the ranges of what changed since the last call are part of it.
+  /// What to draw of the runs, in the order given; the ranges of what changed since the last call are part of
+  /// it.
   /// @param pages  of each run: what the list calls it.
   DrawList draw_list(const Grid& grid, std::span<const RunId> runs, std::span<const PageId> pages);
 

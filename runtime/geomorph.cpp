@@ -18,7 +18,8 @@ DrawVertex mix(const DrawVertex& a, const DrawVertex& b, double w) {
   out.x = mix(a.x, b.x, w);
   out.y = mix(a.y, b.y, w);
   out.z = mix(a.z, b.z, w);
-  for (std::size_t k = 0; k < 4; ++k) out.colour[k] = static_cast<std::uint8_t>(mix(a.colour[k], b.colour[k], w));
+  for (std::size_t k = 0; k < 4; ++k)
+    out.colour[k] = static_cast<std::uint8_t>(mix(a.colour[k], b.colour[k], w));
   const Vec3f n = decode_oct({a.normal_u, a.normal_v}, 16) * static_cast<float>(1 - w) +
                   decode_oct({b.normal_u, b.normal_v}, 16) * static_cast<float>(w);
   const auto code = encode_oct(n, 16);
@@ -28,7 +29,9 @@ DrawVertex mix(const DrawVertex& a, const DrawVertex& b, double w) {
 }
 
 /// Without a jerk at either end.
-double ease(double w) { return w * w * (3 - 2 * w); }
+double ease(double w) {
+  return w * w * (3 - 2 * w);
+}
 
 }  // namespace
 
@@ -107,8 +110,9 @@ std::vector<std::uint32_t> Geomorphs::touched_slots(const ResidentPage& page, st
 }
 
 void Geomorphs::begin_merge(const ResidentPage& page, std::size_t fan, std::uint16_t goal) {
-  Merge m{page.id(), static_cast<std::uint32_t>(fan), goal, false, {},
-          touched_slots(page, fan, page.fans()[fan].applied, goal)};
+  Merge m{page.id(), static_cast<std::uint32_t>(fan),
+          goal,      false,
+          {},        touched_slots(page, fan, page.fans()[fan].applied, goal)};
   for (const std::uint32_t slot : m.leaning) ++leaned_on_[slot];
   const FanState& state = page.fans()[fan];
   const auto children = page.children(state);

@@ -1,8 +1,8 @@
 #pragma once
-/// Timed blends of the fine path: a vertex that a split brings back grows out of its substitute; one that is about to
-/// be substituted first moves there, and its substitution is applied when it has arrived. The cut itself is made of
-/// whole substitutions: decisions are made for it, never for a blend under way.
-/// Source: Bouvier, Gobbetti, "TOM: Totally Ordered Mesh", 2001, §3.4; that merges wait for their blend is ours.
+/// Timed blends of the fine path: a vertex that a split brings back grows out of its substitute; one that is
+/// about to be substituted first moves there, and its substitution is applied when it has arrived. The cut
+/// itself is made of whole substitutions: decisions are made for it, never for a blend under way. Source:
+/// Bouvier, Gobbetti, "TOM: Totally Ordered Mesh", 2001, §3.4; that merges wait for their blend is ours.
 
 #include <cstdint>
 #include <span>
@@ -40,7 +40,8 @@ class Geomorphs {
   /// Moves all blends on to `now_ms`.
   void update(double now_ms);
 
-  /// Substitutions [goal, applied) of the fan have just been undone: their vertices grow from their substitutes.
+  /// Substitutions [goal, applied) of the fan have just been undone: their vertices grow from their
+  /// substitutes.
   void grow(const ResidentPage& page, std::size_t fan, std::uint16_t goal, std::uint16_t applied);
   /// The fan's substitutions up to `goal` begin to blend; they are to be applied when they are due.
   void begin_merge(const ResidentPage& page, std::size_t fan, std::uint16_t goal);
@@ -51,9 +52,9 @@ class Geomorphs {
   /// Substitutions [applied, goal) of the fan have just been applied, after a blend or at once.
   void vanish(const ResidentPage& page, std::size_t fan, std::uint16_t applied, std::uint16_t goal);
 
-  /// True if a substitution of [applied, goal) leans on a merge that waits, or on what was told by postpone(). A merge
-  /// that has begun leans on neither: what it leans on was applied when it began, and it is called off before any of
-  /// that is undone, for its sse is not less.
+  /// True if a substitution of [applied, goal) leans on a merge that waits, or on what was told by
+  /// postpone(). A merge that has begun leans on neither: what it leans on was applied when it began, and it
+  /// is called off before any of that is undone, for its sse is not less.
   bool must_wait(const ResidentPage& page, std::size_t fan, std::uint16_t goal) const;
   /// So does what leans on substitutions [from, goal) of this fan, until update().
   void postpone(const ResidentPage& page, std::size_t fan, std::uint16_t from, std::uint16_t goal);
@@ -86,7 +87,7 @@ class Geomorphs {
   std::vector<Blend> blends_;
   std::unordered_map<std::uint32_t, std::uint32_t> blend_of_;  // slot → index
   std::vector<Merge> merges_;
-  std::unordered_map<std::uint64_t, std::uint32_t> merge_of_;  // key() → index
+  std::unordered_map<std::uint64_t, std::uint32_t> merge_of_;   // key() → index
   std::unordered_map<std::uint32_t, std::uint32_t> leaned_on_;  // slot → merges that change a triangle at it
   std::vector<std::uint32_t> postponed_;
   std::vector<MorphedVertex> morphed_;

@@ -1,6 +1,6 @@
 #pragma once
-/// Fans to be moved, in the order in which that is legal (I4): coarsenings by rising sse, refinements by falling sse.
-/// Sorted piece by piece, as far as a frame gets.
+/// Fans to be moved, in the order in which that is legal (I4): coarsenings by rising sse, refinements by
+/// falling sse. Sorted piece by piece, as far as a frame gets.
 
 #include <cstdint>
 #include <span>
@@ -27,8 +27,8 @@ class OperationOrder {
   void clear() { operations_.clear(), sorted_ = next_ = 0; }
   void add(const Operation& op) { operations_.push_back(op); }
   std::size_t size() const { return operations_.size(); }
-  /// The next operation; ties in sse go finer pages and earlier fans first when rising, the other way round when
-  /// falling. Null at the end. No add() after the first next().
+  /// The next operation; ties in sse go finer pages and earlier fans first when rising, the other way round
+  /// when falling. Null at the end. No add() after the first next().
   const Operation* next();
 
  private:

@@ -8,10 +8,11 @@
 namespace cuesta {
 namespace {
 
-/// Bytes of a resident page without its share of the pool, from its directory entry: scans take 0.85 to 0.97 of it.
-/// Points with thousands of neighbours take more, which is seen when they are there.
+/// Bytes of a resident page without its share of the pool, from its directory entry: scans take 0.85 to 0.97
+/// of it. Points with thousands of neighbours take more, which is seen when they are there.
 std::uint64_t expected_table_bytes(const PageEntry& e) {
-  const std::uint64_t sources = e.round > 0 ? std::uint64_t{e.vertices} * 8 + std::uint64_t{e.triangles} * 4 : 0;
+  const std::uint64_t sources =
+      e.round > 0 ? std::uint64_t{e.vertices} * 8 + std::uint64_t{e.triangles} * 4 : 0;
   return std::uint64_t{e.vertices} * 4 + std::uint64_t{e.triangles} * 4 + sources +
          std::uint64_t{e.owned_vertices} * 70 + 4096;
 }
@@ -97,7 +98,8 @@ bool PageCache::request(PageId id, std::uint64_t keep_since, bool prefetch) {
 }
 
 void PageCache::lean(PageId id, bool on) {
-  for (PageId c : directory().pages[id].coarser) on ? ++pages_[c]->finer_residents : --pages_[c]->finer_residents;
+  for (PageId c : directory().pages[id].coarser)
+    on ? ++pages_[c]->finer_residents : --pages_[c]->finer_residents;
 }
 
 void PageCache::send(PageId id) {
@@ -145,8 +147,9 @@ void PageCache::decoded(LoadedPage loaded) {
     errors_.push_back(loaded.page.error());
     return;
   }
-  const std::uint64_t real = (*loaded.page)->bytes() +
-                             GeometryPool::page_bytes(e.owned_vertices, e.owned_triangles, pool_.has_texcoords());
+  const std::uint64_t real =
+      (*loaded.page)->bytes() +
+      GeometryPool::page_bytes(e.owned_vertices, e.owned_triangles, pool_.has_texcoords());
   if (real > charge_[id]) {
     const std::uint64_t more = real - charge_[id];
     if (resident_bytes_ + more > budget_bytes_) {
@@ -177,7 +180,8 @@ bool PageCache::make_room(PageId id, std::uint64_t keep_since) {
     const ResidentPage* oldest = nullptr;
     for (PageId r : resident_ids_) {
       const ResidentPage& p = *pages_[r];
-      if (r == directory().base() || p.finer_residents > 0 || !p.fully_coarse() || p.last_wanted >= keep_since)
+      if (r == directory().base() || p.finer_residents > 0 || !p.fully_coarse() ||
+          p.last_wanted >= keep_since)
         continue;
       if (!oldest || p.last_wanted < oldest->last_wanted) oldest = &p;
     }

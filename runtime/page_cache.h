@@ -1,7 +1,7 @@
 #pragma once
 /// Resident pages under a byte budget. A page is usable when its coarser pages are resident; the base page
-/// always is. Pages are asked for, arrive when they are decoded and their vertices uploaded, and are evicted only to
-/// make room for others.
+/// always is. Pages are asked for, arrive when they are decoded and their vertices uploaded, and are evicted
+/// only to make room for others.
 
 #include <cstdint>
 #include <deque>
@@ -50,8 +50,9 @@ class PageCache {
     return std::span(finer_).subspan(first_finer_[id], first_finer_[id + 1] - first_finer_[id]);
   }
 
-  /// What resident pages are charged, and those on their way; never above the budget. At least what they take, pool
-  /// included. Beyond it are a page per loading thread while it is decoded, and 40 bytes for every page of the file.
+  /// What resident pages are charged, and those on their way; never above the budget. At least what they
+  /// take, pool included. Beyond it are a page per loading thread while it is decoded, and 40 bytes for every
+  /// page of the file.
   std::uint64_t resident_bytes() const { return resident_bytes_; }
   std::uint64_t charge(PageId id) const { return charge_[id]; }
   std::uint64_t budget_bytes() const { return budget_bytes_; }
@@ -66,12 +67,12 @@ class PageCache {
   bool busy() const { return on_their_way_ >= loader_->width(); }
   /// Marks a resident page as wanted in this frame: not evicted while it is.
   void want(PageId id, std::uint64_t frame) { pages_[id]->last_wanted = frame; }
-  /// Asks for a page, evicting fully coarse pages that were not wanted since `keep_since`, least recently wanted
-  /// first. The pages that it leans on stay until it is there.
+  /// Asks for a page, evicting fully coarse pages that were not wanted since `keep_since`, least recently
+  /// wanted first. The pages that it leans on stay until it is there.
   /// @return false if there is no room.   @pre requestable(id).
   bool request(PageId id, std::uint64_t keep_since, bool prefetch = false);
-  /// Takes in pages that are done, as far as `upload_bytes` goes for their vertices. One that cannot be read is among
-  /// errors() from then on.
+  /// Takes in pages that are done, as far as `upload_bytes` goes for their vertices. One that cannot be read
+  /// is among errors() from then on.
   /// @return pages that have become resident.
   std::uint32_t take_in(std::uint64_t frame, std::uint64_t upload_bytes);
   /// Returns when there is something to take in, or nothing is on its way.

@@ -17,8 +17,8 @@ struct WantedPage {
 
 class PageDemand {
  public:
-  /// Walks the page graph from the base as far as sse > `tau`. A page comes after those it leans on, and else the
-  /// worst first; pages that cannot be read are left out, with all that lean on them.
+  /// Walks the page graph from the base as far as sse > `tau`. A page comes after those it leans on, and else
+  /// the worst first; pages that cannot be read are left out, with all that lean on them.
   /// @cost O(pages found · log), no allocation after warm-up.
   std::span<const WantedPage> find(const PageCache& cache, const ErrorScale& scale, double tau);
 

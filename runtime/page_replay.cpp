@@ -160,8 +160,7 @@ class PageReplay {
   TexCoord texcoord(std::uint32_t i) const {
     TexCoord out{};
     if (i < page_.owned.texcoords.size())
-      for (std::size_t k = 0; k < 2; ++k)
-        out[k] = static_cast<float>(page_.owned.texcoords[i][k]) / 65536.0f;
+      for (std::size_t k = 0; k < 2; ++k) out[k] = static_cast<float>(page_.owned.texcoords[i][k]) / 65536.0f;
     return out;
   }
 
@@ -257,7 +256,8 @@ class PageReplay {
     }
     out_.applied_ = out_.child_count();
     std::vector<ErrorCode8> errors;
-    for (const FanState& f : out_.fans_) errors.push_back(out_.children_[f.first_child + f.child_count - 1u].error);
+    for (const FanState& f : out_.fans_)
+      errors.push_back(out_.children_[f.first_child + f.child_count - 1u].error);
     out_.nodes_.assign(out_.spheres_, errors);
     for (std::size_t f = 0; f < out_.fans_.size(); ++f) out_.update_band(f);
     out_.entries_.shrink_to_fit();

@@ -1,7 +1,7 @@
 #pragma once
-/// Moves τ between frames so that budgets are seldom reached. The budgets themselves are held by adapt(); this keeps
-/// what is drawn even when they would cut it off.
-/// Source: DESIGN §6 "Regulator"; a dead band between the two loads keeps a steady flight steady.
+/// Moves τ between frames so that budgets are seldom reached. The budgets themselves are held by adapt();
+/// this keeps what is drawn even when they would cut it off. Source: DESIGN §6 "Regulator"; a dead band
+/// between the two loads keeps a steady flight steady.
 
 #include <algorithm>
 #include <cmath>
@@ -26,8 +26,9 @@ class Regulator {
   }
   /// The next power of 1.02: blocks are not tested again for less.
   static double step_up(double tau) {
-    return tau > 0 && tau < std::numeric_limits<double>::max() ? std::exp2(std::ceil(std::log2(tau) / step) * step)
-                                                               : tau;
+    return tau > 0 && tau < std::numeric_limits<double>::max()
+               ? std::exp2(std::ceil(std::log2(tau) / step) * step)
+               : tau;
   }
 
  private:

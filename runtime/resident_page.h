@@ -35,16 +35,16 @@ struct ChildState {
   bool joined;
 };
 
-/// Which of its two paths a fan takes. Both end at the same mesh. On the coarse path a fan is applied when all its
-/// substitutions may be and split as a whole; what lies between is left alone, which is as legal: what leans on a fan
-/// has at least the error of its last substitution.
+/// Which of its two paths a fan takes. Both end at the same mesh. On the coarse path a fan is applied when
+/// all its substitutions may be and split as a whole; what lies between is left alone, which is as legal:
+/// what leans on a fan has at least the error of its last substitution.
 enum class FanPath : std::uint8_t { fine, coarse };
 
 class ResidentPage {
  public:
-  /// Replays `page` on top of its coarser pages, all resident, and enters its geometry into `run` of the pool. The
-  /// page arrives fully coarse. Reads of the coarser pages and of the pool only what does not change while they are
-  /// resident, so any thread may do it while another one adapts.
+  /// Replays `page` on top of its coarser pages, all resident, and enters its geometry into `run` of the
+  /// pool. The page arrives fully coarse. Reads of the coarser pages and of the pool only what does not
+  /// change while they are resident, so any thread may do it while another one adapts.
   /// @param run  GeometryPool::add() of the owned vertices and triangles in the page's directory entry.
   /// @error corrupt when the page does not fit the coarser ones or the run.
   static Result<std::unique_ptr<ResidentPage>> create(PageId id, const Page& page,
@@ -119,10 +119,10 @@ class ResidentPage {
   std::vector<std::uint32_t> triangle_ref_;  // per local triangle: handle · 4 + turn of its corners
   std::vector<FanState> fans_;
   std::vector<Sphere> spheres_;
-  std::vector<ChildState> children_;         // one more than there are: the end of the last one's entries
-  std::vector<std::uint32_t> entries_;       // removed: handle; modified: handle · 4 + corner
+  std::vector<ChildState> children_;    // one more than there are: the end of the last one's entries
+  std::vector<std::uint32_t> entries_;  // removed: handle; modified: handle · 4 + corner
   std::vector<SourceTable> sources_;
-  std::vector<TriangleHandle> survivors_;    // base page: until they are drawn
+  std::vector<TriangleHandle> survivors_;  // base page: until they are drawn
   ActiveNodes nodes_;
   NormalCone normals_;
   std::uint32_t applied_ = 0;

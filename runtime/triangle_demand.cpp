@@ -17,12 +17,15 @@ std::size_t bin_of(double sse) {
   const std::uint64_t bits = std::bit_cast<std::uint64_t>(sse) >> bin_shift;
   return static_cast<std::size_t>(std::clamp(bits, lowest, lowest + bins - 1) - lowest);
 }
-double bin_floor(std::size_t bin) { return std::bit_cast<double>((lowest + bin) << bin_shift); }
+double bin_floor(std::size_t bin) {
+  return std::bit_cast<double>((lowest + bin) << bin_shift);
+}
 
 }  // namespace
 
 bool TriangleDemand::count(const PageCache& cache, const ErrorScale& scale,
-                           const std::function<double(PageId)>& factor, double floor, std::uint64_t triangle_budget, const std::function<bool()>& out_of_time) {
+                           const std::function<double(PageId)>& factor, double floor,
+                           std::uint64_t triangle_budget, const std::function<bool()>& out_of_time) {
   if (!running_) {
     gain_.assign(bins, 0);
     coarsest_ = cache.pool().active_triangles();
@@ -39,7 +42,8 @@ bool TriangleDemand::count(const PageCache& cache, const ErrorScale& scale,
   return true;
 }
 
-void TriangleDemand::add_page(const ResidentPage& page, const ErrorScale& scale, double factor, double floor) {
+void TriangleDemand::add_page(const ResidentPage& page, const ErrorScale& scale, double factor,
+                              double floor) {
   for (std::size_t f = 0; f < page.fans().size(); ++f) {
     const FanState& fan = page.fans()[f];
     const double s = scale.scale(page.sphere(f), factor);

@@ -12,8 +12,8 @@
 namespace cuesta::test {
 namespace {
 
-using baselines::NodeId;
 using baselines::no_node;
+using baselines::NodeId;
 using baselines::VdtCut;
 using baselines::ViewDependenceTree;
 using Triangle = std::array<std::uint32_t, 3>;
@@ -24,7 +24,8 @@ constexpr float units = 4096;  // grid units per unit of the surfaces
 ViewDependenceTree tree_of(const SurfaceMesh& mesh) {
   std::vector<Vec3f> positions;
   for (const Vec3d& p : mesh.positions)
-    positions.push_back({std::round(static_cast<float>(p.x) * units), std::round(static_cast<float>(p.y) * units),
+    positions.push_back({std::round(static_cast<float>(p.x) * units),
+                         std::round(static_cast<float>(p.y) * units),
                          std::round(static_cast<float>(p.z) * units)});
   return baselines::build_view_dependence_tree(positions, mesh.triangles);
 }
@@ -74,7 +75,8 @@ int euler_characteristic(std::span<const Triangle> triangles) {
     while (at != link.begin()->first && steps <= link.size());
     if (steps != link.size()) return -1000;  // two fans at one vertex
   }
-  return static_cast<int>(links.size()) - static_cast<int>(half_edges.size() / 2) + static_cast<int>(triangles.size());
+  return static_cast<int>(links.size()) - static_cast<int>(half_edges.size() / 2) +
+         static_cast<int>(triangles.size());
 }
 
 struct Closed {
@@ -84,7 +86,8 @@ struct Closed {
 };
 
 std::vector<Closed> closed_surfaces() {
-  return {{"sphere", bumpy_sphere(20), 2}, {"torus", bumpy_torus(60, 30), 0}, {"tetrahedron", tetrahedron(), 2}};
+  return {
+      {"sphere", bumpy_sphere(20), 2}, {"torus", bumpy_torus(60, 30), 0}, {"tetrahedron", tetrahedron(), 2}};
 }
 
 TEST(ViewDependenceTree, is_a_binary_tree_numbered_by_creation) {

@@ -1,5 +1,5 @@
-/// The file of a journal, damaged: an error with words, or a journal that can record more. It may lose what it
-/// is told, but finds nothing else in its place.
+/// The file of a journal, damaged: an error with words, or a journal that can record more. It may lose what
+/// it is told, but finds nothing else in its place.
 
 #include <unistd.h>
 

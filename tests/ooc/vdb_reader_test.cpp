@@ -235,8 +235,8 @@ TEST(VdbReader, CleaningFindsAManifoldWithoutBorders) {
   const test::ScratchFolder folder;
   for (const double adaptivity : {0.0, 0.1}) {
     CleanReport report;
-    auto mesh =
-        test::clean_mesh(load(save(folder, {torus()}), {.adaptivity = adaptivity, .block_voxels = 32}), {}, report);
+    auto mesh = test::clean_mesh(
+        load(save(folder, {torus()}), {.adaptivity = adaptivity, .block_voxels = 32}), {}, report);
     ASSERT_TRUE(mesh) << mesh.error().text();
     EXPECT_EQ(test::find_violation(*mesh), "");
     EXPECT_EQ(report.edges_nonmanifold, 0u);

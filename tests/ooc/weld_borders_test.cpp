@@ -279,7 +279,8 @@ TEST(WeldBorders, TheSameForAnyBlocksAndThreads) {
 }
 
 Result<IngestedSurface> ingested(WorkFolder& folder, const SurfaceMesh& mesh, double tolerance,
-                              const BuildProgress& progress = {}, std::uint64_t memory_bytes = test_memory) {
+                                 const BuildProgress& progress = {},
+                                 std::uint64_t memory_bytes = test_memory) {
   MemoryBudget memory(memory_bytes);
   auto surface = ingest(
       folder, {.chunk_triangles = 200, .weld_tolerance = tolerance}, memory,

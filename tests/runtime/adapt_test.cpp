@@ -1,5 +1,5 @@
-/// adapt(): cost follows change, budgets are hard, pages come when they come, and a camera at rest does not tell how it
-/// came there.
+/// adapt(): cost follows change, budgets are hard, pages come when they come, and a camera at rest does not
+/// tell how it came there.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,8 @@ State state_of(const Cut& cut) {
   for (const PageId id : cut.cache().resident_ids()) {
     const ResidentPage& page = *cut.cache().resident(id);
     for (std::uint32_t f = 0; f < page.fans().size(); ++f)
-      if (page.fans()[f].applied < page.fans()[f].child_count) state.push_back({id, f, page.fans()[f].applied});
+      if (page.fans()[f].applied < page.fans()[f].child_count)
+        state.push_back({id, f, page.fans()[f].applied});
   }
   return state;
 }
@@ -29,7 +30,8 @@ class Adapt : public testing::Test {
  protected:
   void SetUp() override { build_file(bumpy_sphere(48), folder_ / "a.cuesta"); }
   std::unique_ptr<Cut> open(std::uint64_t cache = unlimited, std::uint32_t threads = 0) {
-    auto cut = Cut::open(CuestaFile::open(folder_ / "a.cuesta").value(), cache, [] { return 0.0; }, threads);
+    auto cut = Cut::open(
+        CuestaFile::open(folder_ / "a.cuesta").value(), cache, [] { return 0.0; }, threads);
     return cut ? std::move(*cut) : nullptr;
   }
   std::pair<std::uint64_t, std::uint64_t> resident_range() {
@@ -52,12 +54,14 @@ AdaptReport adapt_until_rest(Cut& cut, const ErrorScale& scale, double tau, cons
 TEST_F(Adapt, a_still_camera_costs_nothing) {
   const auto cut = open();
   std::mt19937 random(1);
-  const ErrorScale scale = ErrorScale::perspective(cut->directory().grid, random_view(cut->directory(), random));
+  const ErrorScale scale =
+      ErrorScale::perspective(cut->directory().grid, random_view(cut->directory(), random));
   ASSERT_TRUE(adapt_until_rest(*cut, scale, 1, {}).settled);
   const auto loads = cut->cache().counters().loads;
   for (int i = 0; i < 100; ++i) {
     const auto report = cut->adapt(scale, 1, {});
-    EXPECT_EQ(report.blocks_tested + report.coarse_operations + report.fine_operations + report.upload_bytes, 0u);
+    EXPECT_EQ(report.blocks_tested + report.coarse_operations + report.fine_operations + report.upload_bytes,
+              0u);
     EXPECT_TRUE(report.settled);
   }
   EXPECT_EQ(cut->cache().counters().loads, loads);
@@ -101,10 +105,11 @@ TEST_F(Adapt, at_rest_the_cut_is_a_fresh_start_s) {
       const std::uint64_t cache = round % 4 < 2 ? unlimited : base + (all - base) / (2 + random() % 3);
       const auto travelled = open(cache, threads);
       for (int i = 0; i < 60; ++i)
-        travelled->adapt(ErrorScale::perspective(travelled->directory().grid, random_view(travelled->directory(), random), 4),
+        travelled->adapt(ErrorScale::perspective(travelled->directory().grid,
+                                                 random_view(travelled->directory(), random), 4),
                          0.2, budgets);
-      const ErrorScale last =
-          ErrorScale::perspective(travelled->directory().grid, random_view(travelled->directory(), random), 4);
+      const ErrorScale last = ErrorScale::perspective(travelled->directory().grid,
+                                                      random_view(travelled->directory(), random), 4);
       const auto report = adapt_until_rest(*travelled, last, 0.2, budgets);
       ASSERT_TRUE(report.settled) << "round " << round;
       const auto fresh = open(cache, threads);
@@ -125,7 +130,8 @@ TEST_F(Adapt, uploads_stay_in_their_budget) {
   for (int i = 0; i < 300; ++i) {
     Budgets budgets;
     budgets.upload_bytes = 32000 + random() % 40000;
-    const ErrorScale scale = ErrorScale::perspective(cut->directory().grid, random_view(cut->directory(), random));
+    const ErrorScale scale =
+        ErrorScale::perspective(cut->directory().grid, random_view(cut->directory(), random));
     const auto report = cut->adapt(scale, 0.2, budgets);
     const DrawList list = cut->draw_list();
     std::uint64_t bytes = 0;
@@ -164,7 +170,8 @@ TEST_F(Adapt, any_mix_of_paths_is_legal) {
   EXPECT_GT(fine, 0u);
 }
 
-/// Coarser where the surface faces eye and light, never finer, always legal, and at rest the same from everywhere.
+/// Coarser where the surface faces eye and light, never finer, always legal, and at rest the same from
+/// everywhere.
 TEST_F(Adapt, visual_error_is_legal_and_saves_triangles) {
   build_file(wavy_patch(100), folder_ / "flat.cuesta");
   const auto open_flat = [&] { return open_cut(folder_ / "flat.cuesta"); };
@@ -199,8 +206,8 @@ TEST(VisualError, by_hand) {
   const VisualError eye_only{4, {}};
   EXPECT_EQ(eye_only.page_factor(flat, ball, {0, 0, 1e6}), std::pow(1.25, 6));  // 3.81, the last below 4
   EXPECT_EQ(eye_only.page_factor(flat, ball, {0, 0, -1e6}), std::pow(1.25, 6));
-  EXPECT_EQ(eye_only.page_factor(flat, ball, {1e6, 0, 0}), 1);  // a silhouette
-  EXPECT_EQ(eye_only.page_factor(flat, ball, {0, 0, 0.5}), 1);  // the eye in the ball
+  EXPECT_EQ(eye_only.page_factor(flat, ball, {1e6, 0, 0}), 1);                          // a silhouette
+  EXPECT_EQ(eye_only.page_factor(flat, ball, {0, 0, 0.5}), 1);                          // the eye in the ball
   EXPECT_EQ((VisualError{4, Vec3d{1, 0, 0}}.page_factor(flat, ball, {0, 0, 1e6})), 1);  // grazing light
   const std::array<Vec3f, 2> wide{Vec3f{1, 0, 0}, {-1, 0, 0.01f}};
   EXPECT_EQ(eye_only.page_factor(NormalCone::around(wide), ball, {0, 0, 1e6}), 1);
@@ -213,14 +220,16 @@ TEST_F(Adapt, tests_in_parallel_move_the_same) {
   for (int i = 0; i < 60; ++i) {
     Budgets budgets;
     if (i % 3 == 0) budgets.triangles = 2000;
-    const ErrorScale scale = ErrorScale::perspective(one->directory().grid, random_view(one->directory(), random), 4);
+    const ErrorScale scale =
+        ErrorScale::perspective(one->directory().grid, random_view(one->directory(), random), 4);
     const auto a = one->adapt(scale, 0.3, budgets), b = many->adapt(scale, 0.3, budgets);
     ASSERT_EQ(state_of(*one), state_of(*many)) << "frame " << i;
     ASSERT_EQ(a.blocks_tested, b.blocks_tested);
   }
 }
 
-/// The file is overwritten, cut short and removed while threads read it: coarser pictures and messages, no holes.
+/// The file is overwritten, cut short and removed while threads read it: coarser pictures and messages, no
+/// holes.
 TEST_F(Adapt, a_file_that_is_damaged_during_a_flight) {
   for (const bool cut_short : {false, true}) {
     SetUp();
@@ -235,7 +244,8 @@ TEST_F(Adapt, a_file_that_is_damaged_during_a_flight) {
           for (std::size_t k = bytes.size() / 10; k < bytes.size(); k += 100) bytes[k] ^= 1;
         if (!cut_short) put_bytes(folder_ / "a.cuesta", bytes);
       }
-      cut->adapt(ErrorScale::perspective(cut->directory().grid, random_view(cut->directory(), random)), 0.2, {});
+      cut->adapt(ErrorScale::perspective(cut->directory().grid, random_view(cut->directory(), random)), 0.2,
+                 {});
       cut->cache().wait();
     }
     EXPECT_FALSE(cut->cache().errors().empty());

@@ -74,7 +74,9 @@ TEST(GeometryPool, active_triangles_are_drawn_once_with_their_corners) {
   for (int step = 0; step < 3000; ++step) {
     if (pages.size() < 3 || random() % 200 == 0) {
       const std::uint32_t triangles = random() % 700;
-      PageModel page{pool.add(random() % 50, triangles), {}, std::vector<Corners>(triangles),
+      PageModel page{pool.add(random() % 50, triangles),
+                     {},
+                     std::vector<Corners>(triangles),
                      std::vector<bool>(triangles)};
       page.blocks = pool.run(page.run).triangle_blocks;
       pages.push_back(page);

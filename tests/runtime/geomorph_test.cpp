@@ -1,4 +1,5 @@
-/// Blends of the fine path: what is drawn is always a legal cut, moves without jumps, and ends as it would without.
+/// Blends of the fine path: what is drawn is always a legal cut, moves without jumps, and ends as it would
+/// without.
 
 #include "runtime/geomorph.h"
 
@@ -126,8 +127,8 @@ TEST_P(Geomorph, a_threshold_that_changes_while_it_blends_comes_to_rest) {
   }
 }
 
-/// A vertex that comes starts where its substitute is, one that goes ends there, and between frames none moves more
-/// than a blend's share of its way.
+/// A vertex that comes starts where its substitute is, one that goes ends there, and between frames none
+/// moves more than a blend's share of its way.
 TEST_P(Geomorph, nothing_jumps) {
   View view;
   const Directory& d = cut_->directory();
@@ -160,7 +161,8 @@ TEST_P(Geomorph, nothing_jumps) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(of, Geomorph, testing::ValuesIn(surfaces()), [](const auto& s) { return s.param.name; });
+INSTANTIATE_TEST_SUITE_P(of, Geomorph, testing::ValuesIn(surfaces()),
+                         [](const auto& s) { return s.param.name; });
 
 }  // namespace
 }  // namespace cuesta::test

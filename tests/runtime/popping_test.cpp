@@ -1,4 +1,5 @@
-/// What changes between two frames beyond the camera's motion is no more than what τ allows, and blends make it less.
+/// What changes between two frames beyond the camera's motion is no more than what τ allows, and blends make
+/// it less.
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,9 @@ namespace {
 constexpr int size_px = 320, window_px = 8, frames = 60;
 constexpr double frame_ms = 33, tau_px = 6;
 
-double luma(const Rgba8& p) { return 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]; }
+double luma(const Rgba8& p) {
+  return 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2];
+}
 
 /// The largest mean difference of luma over a window: a pop is a change in one place.
 double largest_difference(const Picture& a, const Picture& b) {
@@ -60,7 +63,8 @@ class Popping : public testing::Test {
   }
 
   struct Seen {
-    double change = 0;     ///< the largest that a frame makes beside the camera's: its view, drawn before and after
+    double change =
+        0;  ///< the largest that a frame makes beside the camera's: its view, drawn before and after
     double deviation = 0;  ///< the largest from the full resolution
   };
   Seen fly(double geomorph_ms) {

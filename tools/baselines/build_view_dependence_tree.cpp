@@ -12,7 +12,8 @@ namespace {
 
 using Triangle = std::array<std::uint32_t, 3>;
 constexpr std::uint32_t none = 0xFFFFFFFFu;
-/// Weight of the planes that hold a border in place, against that of a triangle on a square over the border's edge.
+/// Weight of the planes that hold a border in place, against that of a triangle on a square over the border's
+/// edge.
 constexpr float border_weight = 10;
 
 /// An edge in the heap. Stale when the sum of the versions of its vertices is another.
@@ -105,7 +106,8 @@ class Builder {
     }
     for (const Triangle& t : tree_.triangles)
       for (std::size_t k = 0; k < 3; ++k)
-        if (const std::uint32_t a = t[k], b = t[(k + 1) % 3]; triangles_at_edge(a, b) == 1) hold_border(t, a, b);
+        if (const std::uint32_t a = t[k], b = t[(k + 1) % 3]; triangles_at_edge(a, b) == 1)
+          hold_border(t, a, b);
   }
 
   int triangles_at_edge(std::uint32_t a, std::uint32_t b) {
@@ -143,7 +145,8 @@ class Builder {
     for (const Triangle& t : tree_.triangles)
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-        if (a < b || (border_[a] && border_[b] && triangles_at_edge(a, b) == 1)) edges.push_back(candidate(a, b));
+        if (a < b || (border_[a] && border_[b] && triangles_at_edge(a, b) == 1))
+          edges.push_back(candidate(a, b));
       }
     heap_ = std::priority_queue<Candidate>({}, std::move(edges));
   }
@@ -223,7 +226,8 @@ class Builder {
       tree_.corners.insert(tree_.corners.end(), list->begin(), list->end());
     const float error = std::max({std::sqrt(c.cost), tree_.error_of(left), tree_.error_of(right)});
     tree_.internal.push_back({left, right, c.to, error, radius_of(c, left, right), first,
-                              static_cast<std::uint16_t>(moved_.size()), static_cast<std::uint16_t>(kept_.size())});
+                              static_cast<std::uint16_t>(moved_.size()),
+                              static_cast<std::uint16_t>(kept_.size())});
     tree_.parent.push_back(no_node);
     tree_.parent[left] = tree_.parent[right] = id;
     node_[c.to] = id;
@@ -238,7 +242,8 @@ class Builder {
     float radius = std::max(own(left), length(p[c.from] - p[c.to]) + own(right));
     for (const auto* list : {&moved_, &kept_})
       for (const CornerRef r : *list)
-        for (const std::uint32_t v : tree_.triangles[r / 4]) radius = std::max(radius, length(p[v] - p[c.to]));
+        for (const std::uint32_t v : tree_.triangles[r / 4])
+          radius = std::max(radius, length(p[v] - p[c.to]));
     return radius * (1 + 0x1p-20f);
   }
 
@@ -279,7 +284,8 @@ class Builder {
 }  // namespace
 
 std::uint64_t ViewDependenceTree::bytes() const {
-  return parent.size() * sizeof(NodeId) + internal.size() * sizeof(InternalNode) + corners.size() * sizeof(CornerRef);
+  return parent.size() * sizeof(NodeId) + internal.size() * sizeof(InternalNode) +
+         corners.size() * sizeof(CornerRef);
 }
 
 ViewDependenceTree build_view_dependence_tree(std::span<const Vec3f> positions,

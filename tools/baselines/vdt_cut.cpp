@@ -11,9 +11,11 @@ namespace {
 
 constexpr float infinite = std::numeric_limits<float>::infinity();
 
-/// True if error / (tau · scale) is above 1 at this distance of the eye from the centre; `limit` is tau · unit.
+/// True if error / (tau · scale) is above 1 at this distance of the eye from the centre; `limit` is tau ·
+/// unit.
 bool too_coarse(float error, float radius, double distance, double limit) {
-  return static_cast<double>(error) > limit * std::max(distance - static_cast<double>(radius), ErrorScale::nearest);
+  return static_cast<double>(error) >
+         limit * std::max(distance - static_cast<double>(radius), ErrorScale::nearest);
 }
 
 }  // namespace
@@ -120,7 +122,9 @@ void VdtCut::collapse_from(NodeId n, const ErrorScale& scale, double limit, VdtR
   while (n != no_node) {
     const InternalNode& node = tree_.node(n);
     const double distance = length(vec_cast<double>(tree_.positions[node.vertex]) - scale.eye());
-    if (too_coarse(node.error, node.radius, distance, limit) || !is_active(node.left) || !is_active(node.right)) return;
+    if (too_coarse(node.error, node.radius, distance, limit) || !is_active(node.left) ||
+        !is_active(node.right))
+      return;
     if (!may_collapse(n)) {
       ++report.put_off;
       return;
@@ -144,7 +148,8 @@ VdtReport VdtCut::adapt(const ErrorScale& scale, double tau) {
       force_split(e.node, report);
       continue;  // the left child is where the node was, the right one at the end of the list
     }
-    if (!too_coarse(e.collapse_error, e.collapse_radius, distance, limit)) candidates_.push_back(tree_.parent[e.node]);
+    if (!too_coarse(e.collapse_error, e.collapse_radius, distance, limit))
+      candidates_.push_back(tree_.parent[e.node]);
     ++i;
   }
   for (const NodeId n : candidates_) collapse_from(n, scale, limit, report);

@@ -1,7 +1,9 @@
 #pragma once
-/// A cut of a view-dependence tree, kept between frames: active-nodes list, drawing list, and dependencies that are
-/// checked while it runs. Source: as view_dependence_tree.h, real-time part; Livny et al. 2006, §3.3 and §5.
-///   - a collapse is legal while the parents of all neighbours of the two vertices come later than the merged node:
+/// A cut of a view-dependence tree, kept between frames: active-nodes list, drawing list, and dependencies
+/// that are checked while it runs. Source: as view_dependence_tree.h, real-time part; Livny et al. 2006, §3.3
+/// and §5.
+///   - a collapse is legal while the parents of all neighbours of the two vertices come later than the merged
+///   node:
 ///     else it is put off;
 ///   - a split is legal while all neighbours come earlier than the node: else the later ones are split first.
 /// The list is walked once a frame: O(active nodes) and what changes.
@@ -18,10 +20,10 @@ namespace cuesta::baselines {
 
 struct VdtReport {
   std::uint64_t triangles = 0, active_nodes = 0;  ///< after the call
-  std::uint32_t splits = 0;         ///< forced ones included
-  std::uint32_t forced_splits = 0;  ///< for the sake of another node
+  std::uint32_t splits = 0;                       ///< forced ones included
+  std::uint32_t forced_splits = 0;                ///< for the sake of another node
   std::uint32_t collapses = 0;
-  std::uint32_t put_off = 0;        ///< collapses that the view allows and a neighbour does not
+  std::uint32_t put_off = 0;  ///< collapses that the view allows and a neighbour does not
 };
 
 class VdtCut {
@@ -29,7 +31,8 @@ class VdtCut {
   /// Begins with the coarsest cut.   @param tree  outlives the cut.
   explicit VdtCut(const ViewDependenceTree& tree);
 
-  /// Splits every active node with sse > tau, and collapses pairs whose node has sse ≤ tau where that is legal.
+  /// Splits every active node with sse > tau, and collapses pairs whose node has sse ≤ tau where that is
+  /// legal.
   /// @param tau  pixels, > 0   @pre scale is perspective, in the grid of the tree.
   /// @post legal; no active node has sse > tau.   @cost O(active nodes + changes).
   VdtReport adapt(const ErrorScale& scale, double tau);
@@ -72,7 +75,7 @@ class VdtCut {
 
   const ViewDependenceTree& tree_;
   std::vector<Entry> entries_;
-  std::vector<NodeId> node_of_;        // of each vertex: the active node there, or no_node
+  std::vector<NodeId> node_of_;  // of each vertex: the active node there, or no_node
   std::vector<std::uint32_t> entry_of_;
   std::vector<std::array<std::uint32_t, 3>> drawn_;  // all triangles, drawn ones first
   std::vector<std::uint32_t> place_, at_place_;

@@ -1,12 +1,15 @@
 #pragma once
-/// View-dependence tree (VDT): a binary tree of vertices by edge collapse, what the fan-hierarchy is compared with.
-/// Source: El-Sana, Varshney, "Generalized view-dependent simplification", Computer Graphics Forum 18(3), 1999; as it
-/// is described in Livny et al., "Dual adaptive paths for multiresolution hierarchies", 2006, §5. Deviations:
+/// View-dependence tree (VDT): a binary tree of vertices by edge collapse, what the fan-hierarchy is compared
+/// with. Source: El-Sana, Varshney, "Generalized view-dependent simplification", Computer Graphics Forum
+/// 18(3), 1999; as it is described in Livny et al., "Dual adaptive paths for multiresolution hierarchies",
+/// 2006, §5. Deviations:
 ///   - the merged vertex is one of the two (half-edge collapse), so no vertex is added;
-///   - edges are collapsed by rising quadric distance (Garland, Heckbert 1997), the root of the mean squared distance
+///   - edges are collapsed by rising quadric distance (Garland, Heckbert 1997), the root of the mean squared
+///   distance
 ///     to the planes, made monotone up the tree; it bounds nothing;
 ///   - pointers are 32-bit numbers in flat arrays.
-/// Nodes are numbered in the order in which they come to be, leaves first: that enumeration is the implicit dependency.
+/// Nodes are numbered in the order in which they come to be, leaves first: that enumeration is the implicit
+/// dependency.
 
 #include <array>
 #include <cstdint>
@@ -25,23 +28,24 @@ using CornerRef = std::uint32_t;
 
 /// Edge collapse right → left. 28 bytes.
 struct InternalNode {
-  NodeId left, right;           ///< left keeps its vertex, which is the node's
+  NodeId left, right;  ///< left keeps its vertex, which is the node's
   std::uint32_t vertex;
-  float error;                  ///< grid units, ≥ those of left and right
-  float radius;                 ///< about the vertex: holds the balls of left and right, and the star
-  std::uint32_t first_corner;   ///< its moved and kept corners, then its removed triangles, up to the next node's
-  std::uint16_t moved, kept;    ///< corners that go from right's vertex to left's; corners of left's that stay
+  float error;   ///< grid units, ≥ those of left and right
+  float radius;  ///< about the vertex: holds the balls of left and right, and the star
+  std::uint32_t
+      first_corner;  ///< its moved and kept corners, then its removed triangles, up to the next node's
+  std::uint16_t moved, kept;  ///< corners that go from right's vertex to left's; corners of left's that stay
 };
 static_assert(sizeof(InternalNode) == 28);
 
 struct ViewDependenceTree {
-  std::uint32_t leaves = 0;             ///< leaf v is vertex v
-  std::vector<NodeId> parent;           ///< of all nodes; no_node: a root
-  std::vector<InternalNode> internal;   ///< node leaves + i; one more at the end, for its first_corner
-  std::vector<CornerRef> corners;       ///< of all internal nodes; removed triangles: triangle · 4
+  std::uint32_t leaves = 0;            ///< leaf v is vertex v
+  std::vector<NodeId> parent;          ///< of all nodes; no_node: a root
+  std::vector<InternalNode> internal;  ///< node leaves + i; one more at the end, for its first_corner
+  std::vector<CornerRef> corners;      ///< of all internal nodes; removed triangles: triangle · 4
   /// Corners of each triangle as they are just before it is removed, or at the end.
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<Vec3f> positions;         ///< grid units
+  std::vector<Vec3f> positions;  ///< grid units
 
   std::uint32_t internal_nodes() const { return static_cast<std::uint32_t>(internal.size() - 1); }
   bool is_leaf(NodeId n) const { return n < leaves; }
@@ -60,7 +64,8 @@ struct ViewDependenceTree {
     const std::size_t first = std::size_t{r.first_corner} + r.moved + r.kept;
     return std::span(corners).subspan(first, internal[n - leaves + 1].first_corner - first);
   }
-  /// Of nodes and their lists: 4 per node, 28 per internal node, 4 per entry; without positions and triangles.
+  /// Of nodes and their lists: 4 per node, 28 per internal node, 4 per entry; without positions and
+  /// triangles.
   std::uint64_t bytes() const;
 };
 

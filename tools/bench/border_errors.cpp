@@ -1,9 +1,9 @@
 // cuesta-bench-borders BUILT.cuesta FULL.ply CUT.ply MAP.ply: does cutting into cells show in the errors?
 //
-// FULL.ply and CUT.ply are exports of BUILT.cuesta, in full and at some error. For each vertex of the original
-// the distance to the cut is found; vertices near a border between cells of round 0 are told apart from the
-// others. Prints both means as JSON, and writes the original coloured by distance (dark blue 0, yellow: four
-// times the mean and more; borders white) for a picture.
+// FULL.ply and CUT.ply are exports of BUILT.cuesta, in full and at some error. For each vertex of the
+// original the distance to the cut is found; vertices near a border between cells of round 0 are told apart
+// from the others. Prints both means as JSON, and writes the original coloured by distance (dark blue 0,
+// yellow: four times the mean and more; borders white) for a picture.
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -33,7 +33,8 @@ T take(Result<T> result) {
 struct HashOfPosition {
   std::size_t operator()(const Vec3i& p) const {
     std::uint64_t h = static_cast<std::uint32_t>(p.x);
-    for (const std::int32_t c : {p.y, p.z}) h = (h ^ (h >> 29)) * 0x9E3779B97F4A7C15u + static_cast<std::uint32_t>(c);
+    for (const std::int32_t c : {p.y, p.z})
+      h = (h ^ (h >> 29)) * 0x9E3779B97F4A7C15u + static_cast<std::uint32_t>(c);
     return h ^ (h >> 32);
   }
 };

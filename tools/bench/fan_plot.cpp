@@ -52,7 +52,8 @@ Result<void> draw_results(const std::filesystem::path& folder) {
       series_of(*frames, "flight", "fly-over", "fan_ms", "fan-hierarchy", 0),
       series_of(*frames, "flight", "fly-over", "vdt_equal_ms", "view-dependence tree, equal triangles", 2)};
   chart.panels = {
-      cost, operations_panel(*frames, "flight", "fly-over", "Fly-over: operations"),
+      cost,
+      operations_panel(*frames, "flight", "fly-over", "Fly-over: operations"),
       operations_panel(*route, "flight", "route in 1000 frames: slower", "Corner to middle in 1000 frames"),
       operations_panel(*route, "flight", "route in 100 frames: slow", "Corner to middle in 100 frames"),
       operations_panel(*route, "flight", "route in 50 frames: medium", "Corner to middle in 50 frames"),

@@ -1,6 +1,8 @@
-// cuesta-bench-frames cost FILE.cuesta [CSV]: what a frame costs on a cut of a million triangles (issue of adapt
+// cuesta-bench-frames cost FILE.cuesta [CSV]: what a frame costs on a cut of a million triangles (issue of
+// adapt
 //   following change): a still camera, a slow flight, one core.
-// cuesta-bench-frames budgets FILE.cuesta [CSV [TAU_PX]]: 3,000 frames, slow, fast and teleporting, with a cache of 256 MiB, 4 ms
+// cuesta-bench-frames budgets FILE.cuesta [CSV [TAU_PX]]: 3,000 frames, slow, fast and teleporting, with a
+// cache of 256 MiB, 4 ms
 //   and a million triangles; then the camera stops, and the cut is compared with a fresh start's.
 #include <fmt/format.h>
 
@@ -26,7 +28,8 @@ using namespace cuesta::bench;
 
 constexpr std::uint64_t million = 1'000'000;
 
-std::unique_ptr<Cut> open(const char* path, std::uint64_t cache, std::uint32_t threads, Clock clock = clock_ms) {
+std::unique_ptr<Cut> open(const char* path, std::uint64_t cache, std::uint32_t threads,
+                          Clock clock = clock_ms) {
   auto file = CuestaFile::open(path);
   auto cut = file ? Cut::open(std::move(*file), cache, std::move(clock), threads) : fail(file.error());
   if (cut) return std::move(*cut);
@@ -58,7 +61,8 @@ void print_histogram(const Part& part) {
   std::map<int, int> bins;
   for (const AdaptReport& r : part.frames) ++bins[std::min(static_cast<int>(r.adapt_ms * 2), 20)];
   for (const auto& [bin, count] : bins)
-    fmt::print("  {:4.1f} - {:4.1f} ms {:5} {}\n", bin / 2.0, bin / 2.0 + 0.5, count, std::string(count / 20, '#'));
+    fmt::print("  {:4.1f} - {:4.1f} ms {:5} {}\n", bin / 2.0, bin / 2.0 + 0.5, count,
+               std::string(count / 20, '#'));
 }
 
 /// A sweep of all blocks, as after a jump of the threshold: wall time, on one thread and on all.
@@ -73,7 +77,8 @@ void print_sweeps(Cut& cut, const ErrorScale& scale, double tau) {
       ms.push_back((parallel ? clock_ms() : thread_ms()) - start);
       blocks = r.blocks_tested;
     }
-    fmt::print("# all {} blocks, {}: {:.2f} ms\n", blocks, parallel ? "in parallel, wall" : "one thread", quantile(ms, 0.5));
+    fmt::print("# all {} blocks, {}: {:.2f} ms\n", blocks, parallel ? "in parallel, wall" : "one thread",
+               quantile(ms, 0.5));
   }
   cut.set_parallel(false);
 }
@@ -101,8 +106,8 @@ int cost(const char* path, std::FILE* csv) {
     real += bytes;
     worst = std::max(worst, bytes * 1000 / cut->cache().charge(id));
   }
-  fmt::print("# pages take {:.0f} MiB, a page at most {:.2f} of its charge\n", static_cast<double>(real) / (1 << 20),
-             static_cast<double>(worst) / 1000);
+  fmt::print("# pages take {:.0f} MiB, a page at most {:.2f} of its charge\n",
+             static_cast<double>(real) / (1 << 20), static_cast<double>(worst) / 1000);
   const double tau = first.tau;
   budgets.triangles = std::numeric_limits<std::uint64_t>::max();
   cut->settle(scale(400), tau, budgets);
@@ -177,8 +182,8 @@ int budgets(const char* path, double tau, std::FILE* csv) {
   print_part(all, csv);
   print_histogram(all);
   const auto& counters = cut->cache().counters();
-  fmt::print("# loads {} (prefetched {}), evictions {}, refused {}, failed {}\n", counters.loads, counters.prefetched,
-             counters.evictions, counters.refused_for_budget, counters.failed);
+  fmt::print("# loads {} (prefetched {}), evictions {}, refused {}, failed {}\n", counters.loads,
+             counters.prefetched, counters.evictions, counters.refused_for_budget, counters.failed);
   const ErrorScale last = ErrorScale::perspective(grid, view, 4);
   const double start = clock_ms();
   AdaptReport report;
@@ -192,8 +197,8 @@ int budgets(const char* path, double tau, std::FILE* csv) {
   const auto fresh = open(path, cache, 1);
   const AdaptReport from_fresh = fresh->settle(last, tau, budgets);
   const bool same = state_of(*cut) == state_of(*fresh) && report.triangles == from_fresh.triangles;
-  fmt::print("# at rest after {:.2f} s and {} calls: {} triangles at tau {:.4f}; fresh: {} at {:.4f}: {}\n", stopped / 1000,
-             calls, report.triangles, report.tau, from_fresh.triangles, from_fresh.tau,
+  fmt::print("# at rest after {:.2f} s and {} calls: {} triangles at tau {:.4f}; fresh: {} at {:.4f}: {}\n",
+             stopped / 1000, calls, report.triangles, report.tau, from_fresh.triangles, from_fresh.tau,
              same ? "the same cut" : "ANOTHER CUT");
   fmt::print("# budgets of triangles and bytes {}\n", held ? "held in every frame" : "EXCEEDED");
   return held && same ? 0 : 1;
@@ -207,7 +212,9 @@ int main(int argc, char** argv) {
     return 1;
   }
   std::FILE* csv = argc > 3 ? std::fopen(argv[3], "w") : nullptr;
-  const int status = std::strcmp(argv[1], "cost") == 0 ? cost(argv[2], csv) : budgets(argv[2], argc > 4 ? std::atof(argv[4]) : 1, csv);
+  const int status = std::strcmp(argv[1], "cost") == 0
+                         ? cost(argv[2], csv)
+                         : budgets(argv[2], argc > 4 ? std::atof(argv[4]) : 1, csv);
   if (csv) std::fclose(csv);
   return status;
 }

@@ -21,9 +21,8 @@ int main(int argc, char** argv) {
     // Plain scans only: scan_4m, scan_16m, …
     if (!name.starts_with("scan_") || std::count(name.begin(), name.end(), '_') != 1) continue;
     const double millions = std::stod(row.at("triangles")) / 1e6;
-    for (auto& [series, column] : std::map<Series*, const char*>{{&rate, "triangles_per_second"},
-                                                                 {&memory, "peak_mebibytes"},
-                                                                 {&size, "bytes_per_triangle"}}) {
+    for (auto& [series, column] : std::map<Series*, const char*>{
+             {&rate, "triangles_per_second"}, {&memory, "peak_mebibytes"}, {&size, "bytes_per_triangle"}}) {
       const auto at = std::upper_bound(series->x.begin(), series->x.end(), millions) - series->x.begin();
       series->x.insert(series->x.begin() + at, millions);
       series->y.insert(series->y.begin() + at, std::stod(row.at(column)) / (series == &rate ? 1000 : 1));

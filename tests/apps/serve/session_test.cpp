@@ -208,8 +208,8 @@ TEST_F(SessionTest, a_slow_link_is_found_out_and_not_flooded) {
       line.look(view_at(i));
       line.run(250);
     }
-    // What is under way takes the link about a second, so a new camera is answered within about that time; how long a
-    // message becomes is not known to the byte before it is made.
+    // What is under way takes the link about a second, so a new camera is answered within about that time;
+    // how long a message becomes is not known to the byte before it is made.
     EXPECT_LE(line.session->link().under_way_bytes(), std::max(bytes_per_second, 10'000.0) * 1.1)
         << bytes_per_second;
     // The link is used, as far as there is something to send.
