@@ -24,6 +24,9 @@ using view::ControlMode;
 constexpr double factor = 1.4142135623730951;
 constexpr double least_tau_px = 1.0 / 64, largest_tau_px = 64;
 constexpr double least_deadline_ms = 1, largest_deadline_ms = 2000;
+/// While nothing moves each frame may take twice as long as the one before: what a flight has no time for, a
+/// look has.
+constexpr double most_patience = 4096;
 constexpr double choice_share = 0.1;  // of the deadline, as TIME has it
 
 class SceneSubject final : public ViewSubject {
@@ -68,6 +71,10 @@ class SceneSubject final : public ViewSubject {
     double depth = 0;  // of what is held: from the eye, along where it looks
   };
 
+  bool deadline_binds() const {
+    const ResolutionOutcome outcome = last_.report.outcome;
+    return outcome != ResolutionOutcome::full && outcome != ResolutionOutcome::heuristic;
+  }
   std::string change_tau(double by);
   std::string change_deadline(double by);
   std::string next_policy();
@@ -86,6 +93,7 @@ class SceneSubject final : public ViewSubject {
   std::unique_ptr<ScenePlayer> player_;
   SceneFrameOptions options_;
   PlayedFrame last_;
+  double patience_ = 1;  // times the deadline, while nothing moves
   bool calibrated_ = false, frozen_ = false;
   std::optional<std::vector<PlayedFrame>> recorded_;
 
@@ -245,11 +253,13 @@ void SceneSubject::move_clip(double now_s) {
 }
 
 Result<void> SceneSubject::play(double now_s) {
-  options_.most_choice_ms = choice_share * options_.deadline_ms;
+  SceneFrameOptions options = options_;
+  options.deadline_ms *= patience_;
+  options.most_choice_ms = choice_share * options.deadline_ms;
   const View& view = controls_.view();
   if (!std::exchange(calibrated_, true))
-    if (auto r = player_->calibrate({&view, 1}, options_); !r) return r;
-  auto played = player_->play(view, options_, now_s);
+    if (auto r = player_->calibrate({&view, 1}, options); !r) return r;
+  auto played = player_->play(view, options, now_s);
   if (!played) return fail(played.error());
   last_ = *played;
   if (recorded_) recorded_->push_back(last_);
@@ -263,8 +273,11 @@ Result<ViewedFrame> SceneSubject::frame(const ViewMoment& moment) {
     if (auto r = player_->draw(controls_.view()); !r) return fail(r.error());
   } else {
     move_clip(moment.now_s);
+    const bool still = !moment.must_draw && !moment.in_flight && !clip_since_s_ && !grabbed_;
+    patience_ = !still ? 1 : deadline_binds() ? std::min(2 * patience_, most_patience) : patience_;
     if (auto r = play(moment.now_s); !r) return fail(r.error());
-    made.settled = last_.report.settled && !clip_since_s_;
+    const bool gets_finer = deadline_binds() && patience_ < most_patience;
+    made.settled = last_.report.settled && !clip_since_s_ && !gets_finer;
   }
   look_under_pointer();
   return made;
