@@ -5,6 +5,7 @@
 #include "apps/cuesta/frame_table.h"
 #include "apps/cuesta/machine.h"
 #include "apps/cuesta/open_cut.h"
+#include "apps/cuesta/scene_settings.h"
 #include "apps/cuesta/stop_signal.h"
 #include "apps/cuesta/terrain_settings.h"
 #include "apps/cuesta/video_file.h"
@@ -23,19 +24,12 @@ SceneFrameOptions frame_options(const RenderSettings& s) {
   SceneFrameOptions options;
   options.deadline_ms = s.deadline_ms;
   options.tau_px = std::max(s.tau_px, 1e-3);
-  options.most_choice_ms = 0.1 * s.deadline_ms;
+  options.most_choice_ms = choice_share * s.deadline_ms;
   return options;
 }
 
 Result<std::unique_ptr<ScenePlayer>> open_player(const RenderSettings& s) {
-  scene_show::PlayerSettings settings;
-  settings.scene.policy = s.policy;
-  settings.scene.cache_bytes = s.cache_bytes;
-  settings.scene.load_threads = s.load_threads;
-  settings.draw = s.draw;
-  settings.draw.shading = s.shading.value_or(Shading::lit);
-  settings.draw.surface_colour = {255, 255, 255, 255};  // materials have colours
-  auto player = ScenePlayer::open(s.file, settings, clock_ms);
+  auto player = ScenePlayer::open(s.file, player_settings(s), clock_ms);
   if (!player || s.stats_only) return player;
   auto context = make_offscreen_context(s.context);
   if (!context) return fail(context.error());

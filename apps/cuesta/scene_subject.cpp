@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "apps/cuesta/machine.h"
+#include "apps/cuesta/scene_settings.h"
 #include "apps/cuesta/terrain_settings.h"
 #include "apps/cuesta/view_subject.h"
 #include "apps/scene_show/part_ray.h"
@@ -27,7 +28,6 @@ constexpr double least_deadline_ms = 1, largest_deadline_ms = 2000;
 /// While nothing moves each frame may take twice as long as the one before: what a flight has no time for, a
 /// look has.
 constexpr double most_patience = 4096;
-constexpr double choice_share = 0.1;  // of the deadline, as TIME has it
 
 class SceneSubject final : public ViewSubject {
  public:
@@ -311,14 +311,7 @@ Result<std::unique_ptr<ViewSubject>> open_scene_subject(const ViewSettings& s,
   if (s.shading == Shading::relief || s.exaggeration != 1)
     return fail(ErrorCode::invalid_input, file.string(), "--shading, --exaggerate",
                 "a scene is no terrain: there is no height in it; leave the option out");
-  scene_show::PlayerSettings settings;
-  settings.scene.policy = s.policy;
-  settings.scene.cache_bytes = s.cache_bytes;
-  settings.scene.load_threads = s.load_threads;
-  settings.draw = s.draw;
-  settings.draw.shading = s.shading.value_or(Shading::lit);
-  settings.draw.surface_colour = {255, 255, 255, 255};  // materials have colours
-  auto player = ScenePlayer::open(file, settings, clock_ms);
+  auto player = ScenePlayer::open(file, player_settings(s), clock_ms);
   if (!player) return fail(player.error());
   return std::make_unique<SceneSubject>(s, std::move(*player), controls);
 }
