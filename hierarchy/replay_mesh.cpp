@@ -5,7 +5,6 @@
 #include <utility>
 
 namespace cuesta {
-namespace {
 
 std::vector<std::uint32_t> points_of(const Page& page) {
   std::vector<std::uint32_t> point(page.vertex_count);
@@ -13,8 +12,6 @@ std::vector<std::uint32_t> points_of(const Page& page) {
   for (std::uint32_t v : page.wedge_tails) point[v] = point[v - 1];
   return point;
 }
-
-}  // namespace
 
 ReplayMesh::ReplayMesh(const Page& page, std::span<const Vec3i> positions)
     : positions_(positions),

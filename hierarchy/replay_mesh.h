@@ -11,7 +11,9 @@
 
 namespace cuesta {
 
-/// A point is a wedge group, named by its first vertex.
+/// A point is a wedge group, named by its first vertex. Per local vertex, its point.
+std::vector<std::uint32_t> points_of(const Page& page);
+
 class ReplayMesh {
  public:
   ReplayMesh(const Page& page, std::span<const Vec3i> positions);

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <iterator>
-#include <numeric>
 
 #include "hierarchy/fan_cover.h"
+#include "hierarchy/replay_mesh.h"
 #include "ooc/check.h"
 
 namespace cuesta {
@@ -30,9 +30,8 @@ std::array<std::int8_t, 3> guessed_offset(SphereCode follows, std::uint16_t radi
 }
 
 bool cover(const Page& page, std::span<const Vec3i> places, Script& script, const FanSphere& sphere) {
-  std::vector<std::uint32_t> first_wedge(page.vertex_count), changed;
-  std::iota(first_wedge.begin(), first_wedge.end(), 0u);
-  for (const std::uint32_t v : page.wedge_tails) first_wedge[v] = first_wedge[v - 1];
+  const auto first_wedge = points_of(page);
+  std::vector<std::uint32_t> changed;
   return cover_fans({places, first_wedge, page.triangles, {}}, script, changed, sphere);
 }
 
