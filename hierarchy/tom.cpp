@@ -4,14 +4,11 @@
 #include <cmath>
 #include <numeric>
 
+#include "hierarchy/tom_ancestors.h"
 #include "ooc/check.h"
 
 namespace cuesta {
 namespace {
-
-bool degenerate(const Triangle& t) {
-  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
-}
 
 /// The number of triangles for which `below(triangle_resolution)` holds; these are the first.
 template <class Below>
@@ -21,6 +18,9 @@ std::uint32_t count_while(const Tom& tom, const Below& below) {
   });
   return static_cast<std::uint32_t>(end - tom.triangles.begin());
 }
+
+/// Up to so many, extract_triangles() makes a table.
+constexpr std::uint64_t table_entries_per_triangle = 8;
 
 template <class T>
 bool fits(const std::vector<T>& attribute, std::size_t vertices) {
@@ -115,7 +115,16 @@ std::uint32_t extract_triangles(const Tom& tom, Resolution n, std::span<Triangle
   CUESTA_CHECK(n >= tom.base_vertices && n <= tom.full(), n);
   const std::uint32_t count = triangle_count(tom, n);
   CUESTA_CHECK(out.size() >= count, out.size(), count);
-  for (std::uint32_t t = 0; t < count; ++t) out[t] = active_corners(tom, tom.triangles[t], n);
+  const auto triangles = std::span(tom.triangles).first(count);
+  // A table of what has gone is faster than chains where it is not much longer than what is written.
+  if (const std::uint32_t gone = tom.full() - n; n > 0 && gone < table_entries_per_triangle * count) {
+    TomAncestors ancestors;
+    ancestors.fill(tom.substitute, n, tom.full());
+    ancestors.look_up(triangles, out.data());
+  } else {
+    std::transform(triangles.begin(), triangles.end(), out.begin(),
+                   [&](const Triangle& t) { return active_corners(tom, t, n); });
+  }
   return count;
 }
 

@@ -50,6 +50,11 @@ struct Tom {
   Resolution full() const { return static_cast<Resolution>(positions.size()); }
 };
 
+/// Whether the corners are not three.
+inline bool degenerate(const Triangle& t) {
+  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
+
 /// The triangle's corners at resolution n: each corner's first active ancestor.
 /// @pre base_vertices ≤ n ≤ full()
 inline Triangle active_corners(const Tom& tom, Triangle t, Resolution n) {
@@ -84,7 +89,7 @@ float error_at(const Tom& tom, Resolution n);
 /// are.
 /// @pre base_vertices ≤ n ≤ full(); out.size() ≥ triangle_count(n)
 /// @return how many were written.
-/// @cost 1 to 3 ns per corner: walks substitution chains. TomCursor is faster, with memory.
+/// @cost some ns per triangle. TomCursor is faster, with memory.
 std::uint32_t extract_triangles(const Tom& tom, Resolution n, std::span<Triangle> out);
 
 /// A vertex between itself and what is to replace it. Source: TOM §3.4.

@@ -500,7 +500,7 @@ class SegmentDecoder {
   }
 
   bool add(NumberReader& corners, const Children& children, Triangle t, Resolution at) {
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return false;
+    if (degenerate(t)) return false;
     if (!refine(corners, children, t, at)) return false;
     tom_.triangles.push_back(t);
     return true;
