@@ -91,8 +91,8 @@ serve::SiteParts site_parts(serve::Thumbnails* thumbnails, serve::SessionServer*
       thumbnails->make(std::move(set), std::move(done));
     };
   if (tiles) {
-    parts.tile = [tiles](auto set, auto kind, const auto& file, auto done) {
-      tiles->make(std::move(set), kind, file, std::move(done));
+    parts.tile = [tiles](auto set, auto kind, const auto& file, auto client, auto done) {
+      tiles->make(std::move(set), kind, file, std::move(client), std::move(done));
     };
     parts.tile_revision = tile_revision();
   }

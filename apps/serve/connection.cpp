@@ -1,7 +1,10 @@
 #include "apps/serve/connection.h"
 
+#include <sys/socket.h>
+
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
+#include <cerrno>
 #include <cstring>
 
 namespace cuesta::serve {
@@ -100,14 +103,30 @@ void Connection::answer_later() {
   set_phase(Phase::waiting, worker_.limits().later_ms);
   self_ = shared_from_this();
   const auto ask = std::move(response_.later);
-  ask([weak = weak_from_this(), executor = worker_.context().get_executor()](Response response) {
-    boost::asio::post(executor, [weak, response = std::move(response)]() mutable {
-      const auto self = weak.lock();
-      if (!self || self->phase_ != Phase::waiting) return;
-      self->self_.reset();
-      self->response_ = std::move(response);
-      if (self->send()) self->serve_buffered();
-    });
+  notice_end();
+  ask(weak_from_this(),
+      [weak = weak_from_this(), executor = worker_.context().get_executor()](Response response) {
+        boost::asio::post(executor, [weak, response = std::move(response)]() mutable {
+          const auto self = weak.lock();
+          if (!self || self->phase_ != Phase::waiting) return;
+          self->self_.reset();
+          self->response_ = std::move(response);
+          if (self->send()) self->serve_buffered();
+        });
+      });
+}
+
+/// Closes while it waits for a response that the client no longer does. (One that has only ended what it
+/// sends looks the same.)
+void Connection::notice_end() {
+  socket_.async_wait(boost::asio::ip::tcp::socket::wait_read, [weak = weak_from_this()](error_code error) {
+    const auto self = weak.lock();
+    if (!self || error || self->phase_ != Phase::waiting) return;
+    char next = 0;
+    const ssize_t bytes = ::recv(self->socket_.native_handle(), &next, 1, MSG_PEEK | MSG_DONTWAIT);
+    if (bytes > 0 || (bytes < 0 && errno == EAGAIN)) return;  // the next request
+    Counters::add(self->worker_.counters().clients_gone);
+    self->close();
   });
 }
 

@@ -42,6 +42,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   bool serve_one(std::size_t head_bytes);
   bool refuse(int status, std::string_view sentence);
   void answer_later();
+  void notice_end();
   void hand_over();
   bool send();
   bool send_more();

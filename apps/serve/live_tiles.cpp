@@ -107,7 +107,7 @@ class KnownOfDatasets {
 };
 
 struct TileCounts {
-  std::uint64_t made = 0, from_kept = 0, shared = 0, refused = 0, failed = 0;
+  std::uint64_t made = 0, from_kept = 0, shared = 0, refused = 0, let_go = 0, failed = 0;
   double seconds = 0;
 };
 
@@ -125,10 +125,11 @@ class ThreadLiveTiles : public LiveTiles {
     wake_.notify_all();
     for (std::thread& t : threads_) t.join();
     for (const auto& [key, waiting] : waiting_)
-      for (const Done& done : waiting) done(fail(ErrorCode::cancelled, "", "", "the server stops"));
+      for (const Waiting& w : waiting) w.done(fail(ErrorCode::cancelled, "", "", "the server stops"));
   }
 
-  void make(std::shared_ptr<const Dataset> set, TileKind kind, const std::string& file, Done done) override {
+  void make(std::shared_ptr<const Dataset> set, TileKind kind, const std::string& file, Client client,
+            Done done) override {
     Order order{set, kind, source_name(*set, kind), file};
     std::unique_lock lock(mutex_);
     if (const auto bytes = kept_.find(order.key())) {
@@ -139,15 +140,16 @@ class ThreadLiveTiles : public LiveTiles {
     const auto making = waiting_.find(order.key());
     if (making != waiting_.end()) {
       ++counts_.shared;
-      return making->second.push_back(std::move(done));
+      return making->second.push_back({std::move(client), std::move(done)});
     }
+    if (orders_.size() >= settings_.most_waiting) let_go();
     if (orders_.size() >= settings_.most_waiting) {
       ++counts_.refused;
       lock.unlock();
       return done(
           fail(ErrorCode::out_of_budget, set->name, "", "too many tiles are being made; ask again later"));
     }
-    waiting_[order.key()].push_back(std::move(done));
+    waiting_[order.key()].push_back({std::move(client), std::move(done)});
     orders_.push_back(std::move(order));
     lock.unlock();
     wake_.notify_one();
@@ -164,6 +166,8 @@ class ThreadLiveTiles : public LiveTiles {
          number(counts_.shared), true},
         {"cuesta_tiles_refused_total", "Tiles refused for too many were waited for.", number(counts_.refused),
          true},
+        {"cuesta_tiles_let_go_total", "Tiles that were not made, as all that asked had gone.",
+         number(counts_.let_go), true},
         {"cuesta_tiles_failed_total", "Tiles that damage, the disk or a full cache prevented.",
          number(counts_.failed), true},
         {"cuesta_tiles_seconds_total", "Time spent on making tiles.", counts_.seconds, true},
@@ -187,6 +191,8 @@ class ThreadLiveTiles : public LiveTiles {
         wake_.wait(lock, has_work);
       }
       if (stop_) return;
+      let_go();
+      if (orders_.empty()) continue;
       const Order order = take_order(maker.open_source(), in_a_row);
       if (const auto bytes = kept_.find(order.key())) {  // came with another one
         ++counts_.from_kept;
@@ -202,6 +208,17 @@ class ThreadLiveTiles : public LiveTiles {
       counts_.seconds += took.count();
       give(lock, order, kept(order, std::move(made)));
     }
+  }
+
+  /// Orders that nobody waits for any more.
+  void let_go() {
+    counts_.let_go += std::erase_if(orders_, [this](const Order& order) {
+      const auto waiting = waiting_.find(order.key());
+      const bool gone = std::all_of(waiting->second.begin(), waiting->second.end(),
+                                    [](const Waiting& w) { return w.client.expired(); });
+      if (gone) waiting_.erase(waiting);
+      return gone;
+    });
   }
 
   /// The oldest of the file that the thread has open, a few times; then the oldest.
@@ -236,15 +253,20 @@ class ThreadLiveTiles : public LiveTiles {
   void give(std::unique_lock<std::mutex>& lock, const Order& order, const Result<KeptTiles::Bytes>& bytes) {
     const auto waiting = waiting_.extract(order.key());
     lock.unlock();
-    for (const Done& done : waiting.mapped()) done(bytes);
+    for (const Waiting& w : waiting.mapped()) w.done(bytes);
     lock.lock();
   }
+
+  struct Waiting {
+    Client client;
+    Done done;
+  };
 
   LiveTileSettings settings_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<Order> orders_;                                    // that no thread has begun
-  std::unordered_map<std::string, std::vector<Done>> waiting_;  // by key, from order to done
+  std::deque<Order> orders_;                                       // that no thread has begun
+  std::unordered_map<std::string, std::vector<Waiting>> waiting_;  // by key, from order to done
   KeptTiles kept_;
   KnownOfDatasets known_;
   TileCounts counts_;

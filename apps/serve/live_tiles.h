@@ -10,6 +10,7 @@
 #include "apps/serve/dataset.h"
 #include "apps/serve/kept_tiles.h"
 #include "apps/serve/metrics.h"
+#include "apps/serve/response.h"
 #include "apps/serve/tile_address.h"
 #include "ooc/result.h"
 
@@ -35,10 +36,10 @@ class LiveTiles {
   virtual ~LiveTiles() = default;
 
   /// Gives `done` the file, with the bytes that `cuesta export` writes: at once if it is kept, else from the
-  /// thread that made it.
+  /// thread that made it. What all that asked have gone before is not made, nor answered.
   /// @error not_found: an export has no such file. Damage and failures of the disk are those of the moment:
   ///   they are not kept, and the file is opened anew.
-  virtual void make(std::shared_ptr<const Dataset> set, TileKind kind, const std::string& file,
+  virtual void make(std::shared_ptr<const Dataset> set, TileKind kind, const std::string& file, Client client,
                     Done done) = 0;
   virtual std::vector<Gauge> gauges() const = 0;
 };

@@ -74,7 +74,7 @@ std::string metrics_text(const std::vector<const Counters*>& threads, const std:
                sum(&Counters::displaced_connections));
   text.counter("cuesta_connections_timed_out_total", "Connections closed for they were too slow.",
                sum(&Counters::timed_out));
-  text.counter("cuesta_clients_gone_total", "Clients that went in the middle of a response.",
+  text.counter("cuesta_clients_gone_total", "Clients that went before the end of a response.",
                sum(&Counters::clients_gone));
   text.counter("cuesta_files_failed_total", "Responses cut short by the disk.", sum(&Counters::files_failed));
   text.head("cuesta_connections", "gauge", "Connections that are open.");

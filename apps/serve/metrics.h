@@ -19,7 +19,7 @@ struct alignas(64) Counters {
   Count refused_connections{0};    ///< for there were too many
   Count displaced_connections{0};  ///< closed while they waited for a request, for another one's sake
   Count timed_out{0};              ///< closed: the client was too slow
-  Count clients_gone{0};           ///< in the middle of a response
+  Count clients_gone{0};           ///< before the end of a response
   Count files_failed{0};           ///< responses that a disk cut short
   /// Responses by seconds from the whole head to the last byte in the system's hands: up to each of
   /// duration_bounds_s, and more.

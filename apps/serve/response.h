@@ -20,6 +20,9 @@ struct Piece {
   std::uint64_t first = 0, count = 0;
 };
 
+/// Who asked, for those who do not answer at once: expired when it has gone.
+using Client = std::weak_ptr<const void>;
+
 /// Reused from request to request: then it allocates nothing.
 struct Response {
   int status = 200;
@@ -29,7 +32,7 @@ struct Response {
   std::shared_ptr<const ServedFile> file;
   /// If set, the rest is not: it is asked for the response, once, and gives it from any thread when it has
   /// it.
-  std::function<void(std::function<void(Response)>)> later;
+  std::function<void(Client, std::function<void(Response)>)> later;
   /// If set, the rest is not: it is given the connection, with the head of the request and what came after
   /// it.
   std::function<void(Descriptor, std::string)> upgrade;

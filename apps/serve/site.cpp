@@ -159,8 +159,9 @@ void Site::tile(Exchange& x, const TileAddress& address) const {
   }
   x.response.clear();
   x.response.later = [make = parts_.tile, set, kind = address.kind, file = std::string(address.file),
-                      caching_lines, kept = KeptRequest(x.frame)](std::function<void(Response)> done) {
-    make(set, kind, file, [=, done = std::move(done)](const Result<KeptTiles::Bytes>& bytes) {
+                      caching_lines,
+                      kept = KeptRequest(x.frame)](const Client& client, std::function<void(Response)> done) {
+    make(set, kind, file, client, [=, done = std::move(done)](const Result<KeptTiles::Bytes>& bytes) {
       Response response;
       const TileFileType type = tile_file_type(file);
       if (bytes)
@@ -184,8 +185,8 @@ void Site::thumbnail(Exchange& x, std::string_view name) const {
   const auto set = x.contents().dataset(name);
   if (!set || !parts_.thumbnail) return x.not_found();
   x.response.clear();
-  x.response.later = [make = parts_.thumbnail, set,
-                      kept = KeptRequest(x.frame)](std::function<void(Response)> done) {
+  x.response.later = [make = parts_.thumbnail, set, kept = KeptRequest(x.frame)](
+                         const Client&, std::function<void(Response)> done) {
     make(set, [kept, done = std::move(done)](const Result<std::string>& png) {
       Response response;
       if (png)

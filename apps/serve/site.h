@@ -36,7 +36,7 @@ struct SiteParts {
   /// Takes a connection over, with the bytes that were read from it.
   std::function<void(std::shared_ptr<const Dataset>, Descriptor, std::string)> session;
   /// A file of an export, given to the function when it is there, from any thread; or why there is none.
-  std::function<void(std::shared_ptr<const Dataset>, TileKind, const std::string& file,
+  std::function<void(std::shared_ptr<const Dataset>, TileKind, const std::string& file, Client,
                      std::function<void(const Result<KeptTiles::Bytes>&)>)>
       tile;
   /// Of what makes tiles, to be in their ETags: another program may make others of the same file.

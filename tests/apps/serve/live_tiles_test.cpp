@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <future>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -53,8 +54,8 @@ class LiveTilesTest : public ServedFolder {
   void start_tiles(const LiveTileSettings& settings = {}) {
     tiles = LiveTiles::start(settings);
     serve::SiteParts parts;
-    parts.tile = [this](auto set, auto kind, const auto& file, auto done) {
-      tiles->make(std::move(set), kind, file, std::move(done));
+    parts.tile = [this](auto set, auto kind, const auto& file, auto client, auto done) {
+      tiles->make(std::move(set), kind, file, std::move(client), std::move(done));
     };
     parts.tile_revision = "1";
     parts.gauges = [this] { return tiles->gauges(); };
@@ -64,7 +65,15 @@ class LiveTilesTest : public ServedFolder {
     return catalogue->contents()->dataset(name);
   }
 
+  void wait_for_metric(const std::string& name, double least) const {
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (metric(name) < least && std::chrono::steady_clock::now() < limit)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    EXPECT_GE(metric(name), least) << name;
+  }
+
   std::unique_ptr<LiveTiles> tiles;
+  const std::shared_ptr<int> here = std::make_shared<int>();  // a client that stays
 };
 
 std::map<std::string, std::string> exported_tiles(const std::filesystem::path& path) {
@@ -231,7 +240,7 @@ TEST_F(LiveTilesTest, what_is_asked_for_many_times_is_made_once) {
   for (int i = 0; i < 8; ++i)
     threads.emplace_back([&] {
       for (int k = 0; k < 8; ++k)
-        tiles->make(set("sphere"), TileKind::tiles_3d, "tileset.json", answers.taker());
+        tiles->make(set("sphere"), TileKind::tiles_3d, "tileset.json", here, answers.taker());
     });
   for (std::thread& t : threads) t.join();
   answers.wait_for(64);
@@ -250,11 +259,69 @@ TEST_F(LiveTilesTest, too_many_at_once_are_refused_and_the_rest_is_answered) {
   Answers answers;
   constexpr int asked = 200;
   for (int i = 0; i < asked; ++i)
-    tiles->make(set("sphere"), TileKind::tiles_3d, "t0-" + std::to_string(i) + ".glb", answers.taker());
+    tiles->make(set("sphere"), TileKind::tiles_3d, "t0-" + std::to_string(i) + ".glb", here, answers.taker());
   answers.wait_for(asked);
   EXPECT_EQ(answers.total, asked);
   EXPECT_GT(answers.count["too many tiles are being made; ask again later"], 100);
   EXPECT_GE(asked - answers.count["too many tiles are being made; ask again later"], 4);
+}
+
+/// Takes the only thread that makes tiles until it is let go.
+class BusyMaker {
+ public:
+  LiveTiles::Done taker() {
+    return [this](const auto&) {
+      begun_.set_value();
+      end_.get_future().wait();
+    };
+  }
+  void wait() { begun_.get_future().wait(); }
+  void let_go() { end_.set_value(); }
+
+ private:
+  std::promise<void> begun_, end_;
+};
+
+TEST_F(LiveTilesTest, what_nobody_waits_for_any_more_is_not_made) {
+  LiveTileSettings settings;
+  settings.threads = 1;
+  start_tiles(settings);
+  BusyMaker busy;
+  tiles->make(set("lands/hills"), TileKind::terrain, "layer.json", here, busy.taker());
+  busy.wait();
+  Answers answers;
+  auto leaves = std::make_shared<int>();
+  for (int i = 0; i < 5; ++i)
+    tiles->make(set("sphere"), TileKind::tiles_3d, "t1-" + std::to_string(i) + ".glb", leaves,
+                answers.taker());
+  tiles->make(set("sphere"), TileKind::tiles_3d, "t1-4.glb", here, answers.taker());  // so one stays wanted
+  leaves.reset();
+  busy.let_go();
+  answers.wait_for(2);
+  EXPECT_EQ(answers.total, 2);
+  EXPECT_EQ(metric("cuesta_tiles_let_go_total"), 4);
+  EXPECT_EQ(metric("cuesta_tiles_waiting"), 0);
+}
+
+TEST_F(LiveTilesTest, a_client_that_closes_its_connection_waits_no_more) {
+  LiveTileSettings settings;
+  settings.threads = 1;
+  start_tiles(settings);
+  BusyMaker busy;
+  tiles->make(set("lands/hills"), TileKind::terrain, "layer.json", here, busy.taker());
+  busy.wait();
+  {
+    RawClient leaves = client();
+    leaves.get("/tiles/sphere/t1-0.glb");
+    wait_for_metric("cuesta_tiles_waiting", 1);
+  }
+  wait_for_metric("cuesta_clients_gone_total", 1);
+  RawClient stays = client();
+  stays.get("/tiles/sphere/t1-1.glb");
+  wait_for_metric("cuesta_tiles_waiting", 2);
+  busy.let_go();
+  EXPECT_NE(stays.reply(60'000).status, 0);
+  EXPECT_EQ(metric("cuesta_tiles_let_go_total"), 1);
 }
 
 TEST_F(LiveTilesTest, a_stop_answers_those_that_wait) {
@@ -263,7 +330,7 @@ TEST_F(LiveTilesTest, a_stop_answers_those_that_wait) {
   start_tiles(settings);
   Answers answers;
   for (int i = 0; i < 100; ++i)
-    tiles->make(set("sphere"), TileKind::tiles_3d, "t0-" + std::to_string(i) + ".glb", answers.taker());
+    tiles->make(set("sphere"), TileKind::tiles_3d, "t0-" + std::to_string(i) + ".glb", here, answers.taker());
   tiles.reset();
   EXPECT_EQ(answers.total, 100);
   EXPECT_GT(answers.count["the server stops"], 0);
