@@ -66,7 +66,7 @@ class RawClient {
     received_.append(buffer, static_cast<std::size_t>(n));
     return true;
   }
-  Reply reply(int wait_ms = 5000) {
+  Reply reply(int wait_ms = 60'000) {
     std::size_t end = 0;
     while ((end = received_.find("\r\n\r\n")) == received_.npos)
       if (!receive(wait_ms)) return {};
