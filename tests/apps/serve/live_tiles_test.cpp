@@ -37,6 +37,22 @@ TEST(TileAddress, divides_names_of_data_sets_from_names_of_files) {
     EXPECT_EQ(parsed(none), "none") << none;
 }
 
+/// Takes the only thread that makes tiles until it is let go.
+class BusyMaker {
+ public:
+  LiveTiles::Done taker() {
+    return [this](const auto&) {
+      begun_.set_value();
+      end_.get_future().wait();
+    };
+  }
+  void wait() { begun_.get_future().wait(); }
+  void let_go() { end_.set_value(); }
+
+ private:
+  std::promise<void> begun_, end_;
+};
+
 /// Of a scan of several tiles and a terrain.
 class LiveTilesTest : public ServedFolder {
  protected:
@@ -65,6 +81,14 @@ class LiveTilesTest : public ServedFolder {
     return catalogue->contents()->dataset(name);
   }
 
+  /// One thread, which `busy` has.
+  void start_with(BusyMaker& busy) {
+    LiveTileSettings settings;
+    settings.threads = 1;
+    start_tiles(settings);
+    tiles->make(set("lands/hills"), TileKind::terrain, "layer.json", here, busy.taker());
+    busy.wait();
+  }
   void wait_for_metric(const std::string& name, double least) const {
     const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (metric(name) < least && std::chrono::steady_clock::now() < limit)
@@ -266,29 +290,9 @@ TEST_F(LiveTilesTest, too_many_at_once_are_refused_and_the_rest_is_answered) {
   EXPECT_GE(asked - answers.count["too many tiles are being made; ask again later"], 4);
 }
 
-/// Takes the only thread that makes tiles until it is let go.
-class BusyMaker {
- public:
-  LiveTiles::Done taker() {
-    return [this](const auto&) {
-      begun_.set_value();
-      end_.get_future().wait();
-    };
-  }
-  void wait() { begun_.get_future().wait(); }
-  void let_go() { end_.set_value(); }
-
- private:
-  std::promise<void> begun_, end_;
-};
-
 TEST_F(LiveTilesTest, what_nobody_waits_for_any_more_is_not_made) {
-  LiveTileSettings settings;
-  settings.threads = 1;
-  start_tiles(settings);
   BusyMaker busy;
-  tiles->make(set("lands/hills"), TileKind::terrain, "layer.json", here, busy.taker());
-  busy.wait();
+  start_with(busy);
   Answers answers;
   auto leaves = std::make_shared<int>();
   for (int i = 0; i < 5; ++i)
@@ -304,12 +308,8 @@ TEST_F(LiveTilesTest, what_nobody_waits_for_any_more_is_not_made) {
 }
 
 TEST_F(LiveTilesTest, a_client_that_closes_its_connection_waits_no_more) {
-  LiveTileSettings settings;
-  settings.threads = 1;
-  start_tiles(settings);
   BusyMaker busy;
-  tiles->make(set("lands/hills"), TileKind::terrain, "layer.json", here, busy.taker());
-  busy.wait();
+  start_with(busy);
   {
     RawClient leaves = client();
     leaves.get("/tiles/sphere/t1-0.glb");
