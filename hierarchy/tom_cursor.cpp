@@ -16,12 +16,11 @@ void TomCursor::move_to_rung_above(Resolution n) {
   };
   const Resolution rung = std::clamp(rung_at(k), n, tom_.full());
   const std::uint32_t triangles = triangle_count(tom_, rung);
+  corners_.resize(triangles);
   if (rung < rung_) {
     ancestors_.fill(tom_.substitute, rung, rung_);
-    corners_.resize(triangles);
     ancestors_.look_up(corners_, corners_.data());
   } else {
-    corners_.resize(triangles);
     extract_triangles(tom_, rung, corners_);
   }
   rung_ = rung;
@@ -42,7 +41,8 @@ void TomCursor::prepare(Resolution n) {
 std::uint32_t TomCursor::extract(Resolution n, std::span<Triangle> out) {
   prepare(n);
   CUESTA_CHECK(out.size() >= count_, out.size(), count_);
-  ancestors_.look_up(active(), out.data());
+  Triangle* to = out.data();
+  visit(n, [&to](const Triangle& t) { *to++ = t; });
   return count_;
 }
 
