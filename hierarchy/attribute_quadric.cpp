@@ -35,7 +35,7 @@ void AttributeQuadricFairness::Sums::add(const Sums& other, Vec3d d) {
 
 AttributeQuadricFairness::AttributeQuadricFairness(const SubstitutionKernel& kernel, const SurfaceMesh& mesh,
                                                    std::span<const std::uint32_t> source, float scale)
-    : kernel_(kernel), sums_(source.size()) {
+    : kernel_(kernel), planes_(kernel), sums_(source.size()) {
   values_.reserve(source.size());
   for (const std::uint32_t v : source) values_.push_back(numbers_of(mesh, v, scale));
   for (PointId p = 0; p < kernel.point_count(); ++p)
@@ -109,11 +109,12 @@ void AttributeQuadricFairness::costs(PointId u, std::span<const PointId> targets
       sum += sums_[from].at(d, values_[kernel_.vertex_at(t, v)]);
       weight += sums_[from].weight;
     }
-    out[i] = kernel_.cost(u, v) + (weight > 0 ? static_cast<float>(sum / std::sqrt(weight)) : 0.0f);
+    out[i] = planes_(u, v) + (weight > 0 ? static_cast<float>(sum / std::sqrt(weight)) : 0.0f);
   }
 }
 
 void AttributeQuadricFairness::applied(PointId u, PointId v, std::span<const Child> children) {
+  planes_.applied(u, v);
   const auto at = kernel_.positions();
   const Vec3d d = vec_cast<double>(at[v]) - vec_cast<double>(at[u]);
   for (const Child& c : children) sums_[c.target].add(sums_[c.vertex], d);

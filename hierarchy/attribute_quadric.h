@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "hierarchy/cell_mesh.h"
+#include "hierarchy/quadric_cost.h"
 #include "hierarchy/substitution_kernel.h"
 #include "ooc/surface_mesh.h"
 
@@ -49,6 +50,7 @@ class AttributeQuadricFairness {
   Numbers numbers_of(const SurfaceMesh& mesh, std::uint32_t v, double scale) const;
 
   const SubstitutionKernel& kernel_;
+  QuadricCost planes_;
   std::vector<Numbers> values_;  // per vertex
   std::vector<Sums> sums_;       // per vertex
 };

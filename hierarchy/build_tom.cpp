@@ -1,10 +1,13 @@
 #include "hierarchy/build_tom.h"
 
+#include <tbb/task_arena.h>
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "hierarchy/attribute_quadric.h"
 #include "hierarchy/component_absorber.h"
+#include "hierarchy/deviation_stage.h"
 #include "hierarchy/greedy_substitution.h"
 #include "hierarchy/substitution_fairness.h"
 #include "hierarchy/substitution_oracle.h"
@@ -26,45 +29,46 @@ constexpr std::uint32_t stuck_component = 64;
 constexpr float deviation_weight = 5;
 constexpr float one_per_cent = 0.01f;
 
-/// The substitutions of vertices in the order in which they were made, and the error after each.
+/// The substitutions of vertices in the order in which they were made, and how the error rises.
 struct Removals {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> steps;  // vertex → target, of the cell
-  struct Error {
-    std::uint32_t removed;  // vertices that are gone before the error rises to this code
-    ErrorCode8 code;
-  };
-  std::vector<Error> errors;
+  std::vector<RemovalError> errors;
 };
 
 /// Applies substitutions in the kernel and writes them down.
 class Recorder {
  public:
-  Recorder(SubstitutionKernel& kernel, const std::vector<std::uint32_t>& first_vertex)
-      : kernel_(kernel), first_vertex_(first_vertex) {}
+  Recorder(SubstitutionKernel& kernel, SurfaceSamples& samples,
+           const std::vector<std::uint32_t>& first_vertex)
+      : kernel_(kernel), deviations_(samples), first_vertex_(first_vertex) {}
 
   std::span<const Child> apply(PointId u, PointId v) {
-    note_error(kernel_.measure(u, v));
-    const ErrorCode8 error = current_code_;
+    const Replacement replacement = kernel_.replacement(u, v);
+    if (std::exchange(measured_, nothing) == std::pair(u, v))
+      deviations_.add_measured(replacement, removed());
+    else
+      deviations_.add(replacement, removed());
     children_.clear();
     changed_.clear();
-    kernel_.apply(u, v, error, children_, changed_);
+    kernel_.apply(u, v, 0, children_, changed_);
     for (const Child& c : children_) removals_.steps.emplace_back(c.vertex, c.target);
     if (children_.size() < first_vertex_[u + 1] - first_vertex_[u]) remove_unused_wedges(u, v);
     return children_;
   }
 
-  float surcharge(PointId u, PointId v) const {
-    const float deviation = kernel_.measure(u, v);
+  float surcharge(PointId u, PointId v) {
+    const float deviation = deviations_.measure(kernel_.replacement(u, v));
+    measured_ = {u, v};
     return deviation_weight * deviation * deviation * deviation;
   }
 
   /// A whole component goes: its points one after the other into the next, the last into v. What is left of
   /// it meanwhile only adds to the surface that was measured.
   void absorb(std::span<const PointId> members, PointId v) {
-    note_error(kernel_.measure_absorption(members, v));
+    deviations_.add(kernel_.absorption(members, v), removed());
     children_.clear();
     changed_.clear();
-    kernel_.absorb(members, v, current_code_, children_, changed_);
+    kernel_.absorb(members, v, 0, children_, changed_);
     for (std::size_t i = 0; i < members.size(); ++i) {
       const PointId next = i + 1 < members.size() ? members[i + 1] : v;
       for (std::uint32_t w = first_vertex_[members[i]]; w < first_vertex_[members[i] + 1]; ++w)
@@ -72,17 +76,19 @@ class Recorder {
     }
   }
 
-  float error() const { return error_; }
-  Removals take() { return std::move(removals_); }
+  /// Lets others measure. Returns the error, all that was applied having been measured.
+  float settle() {
+    measured_ = nothing;
+    return deviations_.error();
+  }
+  Removals take() {
+    removals_.errors = deviations_.take_errors();
+    return std::move(removals_);
+  }
 
  private:
-  void note_error(float error) {
-    error_ = std::max(error_, error);
-    const ErrorCode8 code = encode_error_up(error_);
-    if (code == current_code_) return;
-    current_code_ = code;
-    removals_.errors.push_back({static_cast<std::uint32_t>(removals_.steps.size()), code});
-  }
+  static constexpr std::pair<PointId, PointId> nothing{none, none};
+  std::uint32_t removed() const { return static_cast<std::uint32_t>(removals_.steps.size()); }
 
   /// Wedges of u that no triangle has any more.
   void remove_unused_wedges(PointId u, PointId v) {
@@ -92,10 +98,10 @@ class Recorder {
   }
 
   SubstitutionKernel& kernel_;
+  DeviationStage deviations_;
   const std::vector<std::uint32_t>& first_vertex_;
   Removals removals_;
-  float error_ = 0;
-  ErrorCode8 current_code_ = 0;
+  std::pair<PointId, PointId> measured_ = nothing;  // last
   std::vector<Child> children_;
   std::vector<TriangleId> changed_;
 };
@@ -103,21 +109,22 @@ class Recorder {
 template <class Oracle, class Fairness>
 class Simplification {
  public:
-  Simplification(SubstitutionKernel& kernel, const std::vector<std::uint32_t>& first_vertex, Oracle oracle,
-                 Fairness fairness, TomOracle which)
+  Simplification(SubstitutionKernel& kernel, SurfaceSamples& samples,
+                 const std::vector<std::uint32_t>& first_vertex, Oracle oracle, Fairness fairness,
+                 TomOracle which)
       : kernel_(kernel),
         oracle_(std::move(oracle)),
         fairness_(std::move(fairness)),
-        recorder_(kernel, first_vertex),
+        recorder_(kernel, samples, first_vertex),
         greedy_(kernel, oracle_, fairness_, recorder_),
-        absorber_(kernel),
+        absorber_(kernel, samples),
         lets_topology_go_(which == TomOracle::any_edge) {}
 
   Removals run() {
     greedy_.queue_all();
     for (;;) {
       while (advance()) absorb_now_and_then();
-      if (!(lets_topology_go_ && absorb(stuck_component, never)) && !retry() &&
+      if (!(lets_topology_go_ && absorb(stuck_component, true)) && !retry() &&
           !(lets_topology_go_ && loosen()))
         break;
     }
@@ -125,8 +132,6 @@ class Simplification {
   }
 
  private:
-  static constexpr float never = std::numeric_limits<float>::infinity();
-
   bool advance() {
     if (lets_topology_go_ && !loose_ &&
         kernel_.live_triangles() < std::uint64_t{triangles_per_loop} * kernel_.loops())
@@ -150,12 +155,14 @@ class Simplification {
   /// Each time a tenth of the triangles has gone.
   void absorb_now_and_then() {
     if (!lets_topology_go_ || !absorber_.has_work() || kernel_.live_triangles() > absorb_below_) return;
-    absorb(small_component, recorder_.error());
+    absorb(small_component, false);
     absorb_below_ = kernel_.live_triangles() / 10 * 9;
   }
 
-  bool absorb(std::uint32_t most_points, float reach) {
+  bool absorb(std::uint32_t most_points, bool at_any_error) {
     if (!absorber_.has_work()) return false;
+    const float error = recorder_.settle();
+    const float reach = at_any_error ? std::numeric_limits<float>::infinity() : error;
     live_.clear();
     for (PointId p = 0; p < kernel_.point_count(); ++p)
       if (!kernel_.removed(p)) live_.push_back(p);
@@ -183,9 +190,13 @@ class Simplification {
 template <class Fairness>
 Removals simplify(SubstitutionKernel& kernel, const TomInput& input, const TomOptions& options,
                   Fairness fairness) {
+  SurfaceSamples samples({}, kernel.triangle_count(), kernel.origin(), kernel.positions(), {});
   const auto run = [&](auto oracle) {
-    return Simplification(kernel, input.first_vertex, std::move(oracle), std::move(fairness), options.oracle)
-        .run();
+    return tbb::this_task_arena::isolate([&] {
+      return Simplification(kernel, samples, input.first_vertex, std::move(oracle), std::move(fairness),
+                            options.oracle)
+          .run();
+    });
   };
   return options.oracle == TomOracle::pairs
              ? run(PairOracle(kernel, static_cast<float>(options.pair_threshold / input.grid.step)))

@@ -5,7 +5,8 @@
 
 namespace cuesta {
 
-ComponentAbsorber::ComponentAbsorber(SubstitutionKernel& kernel) : kernel_(kernel) {
+ComponentAbsorber::ComponentAbsorber(SubstitutionKernel& kernel, SurfaceSamples& samples)
+    : kernel_(kernel), samples_(samples) {
   locked_.assign(kernel.component_count(), 0);
   if (locked_.size() < 2) return;
   component_.assign(kernel.components().begin(), kernel.components().end());
@@ -50,7 +51,7 @@ const std::vector<ComponentAbsorber::Candidate>& ComponentAbsorber::candidates(s
     const PointId target = nearest_target(c, live);
     if (target == none) continue;
     Candidate candidate{0, c, target};
-    candidate.distance = kernel_.measure_absorption(members(candidate), target);
+    candidate.distance = samples_.measure(kernel_.absorption(members(candidate), target));
     known_[c] = candidate.distance;
     if (candidate.distance <= reach) candidates_.push_back(candidate);
   }

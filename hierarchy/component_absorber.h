@@ -10,13 +10,14 @@
 
 #include "hierarchy/nearest_points.h"
 #include "hierarchy/substitution_kernel.h"
+#include "hierarchy/surface_samples.h"
 
 namespace cuesta {
 
 class ComponentAbsorber {
  public:
-  /// @param kernel  outlives the absorber; its components are those it had at the start.
-  explicit ComponentAbsorber(SubstitutionKernel& kernel);
+  /// Both outlive the absorber; components are those that the kernel had at the start.
+  ComponentAbsorber(SubstitutionKernel& kernel, SurfaceSamples& samples);
   /// False if there is one component only, and so never a candidate.
   bool has_work() const { return locked_.size() > 1; }
 
@@ -40,6 +41,7 @@ class ComponentAbsorber {
   PointId nearest_target(std::uint32_t component, std::span<const PointId> live);
 
   SubstitutionKernel& kernel_;
+  SurfaceSamples& samples_;
   std::vector<std::uint32_t> component_;        // per point; empty without work
   std::vector<std::uint8_t> locked_;            // per component
   std::vector<std::uint32_t> first_, members_;  // live points by component

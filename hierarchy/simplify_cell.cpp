@@ -6,8 +6,10 @@
 #include <limits>
 #include <utility>
 
+#include "hierarchy/cell_survivors.h"
 #include "hierarchy/component_absorber.h"
 #include "hierarchy/fan_cover.h"
+#include "hierarchy/quadric_cost.h"
 #include "hierarchy/substitution_kernel.h"
 #include "ooc/check.h"
 
@@ -42,9 +44,12 @@ constexpr float cost_of_level = 4;
 /// The state of a run of passes over one cell.
 class FanMerger {
  public:
-  FanMerger(CellMesh cell, const SimplifyOptions& options)
-      : kernel_(std::move(cell)),
-        absorber_(kernel_),
+  FanMerger(const CellMesh& cell, const SimplifyOptions& options)
+      : kernel_(cell),
+        samples_(cell.samples, kernel_.triangle_count(), kernel_.origin(), kernel_.positions(),
+                 kernel_.vertical()),
+        planes_(kernel_),
+        absorber_(kernel_, samples_),
         options_(options),
         by_levels_(kernel_.is_field_of_heights()),
         level_(by_levels_ ? ErrorCode8{0} : highest_level),
@@ -84,8 +89,8 @@ class FanMerger {
     if (!loose_ && manifold_)
       result_.script.strict_fans = static_cast<std::uint32_t>(result_.script.fans.size());
     order_children();
-    result_.errors_are_estimates = kernel_.has_chosen_samples();
-    result_.survivors = kernel_.survivors();
+    result_.errors_are_estimates = samples_.has_chosen();
+    result_.survivors = survivors_of(kernel_, samples_);
     return std::move(result_);
   }
 
@@ -146,7 +151,7 @@ class FanMerger {
     cheapest_[v] = none;
     for (PointId u : kernel_.neighbours(v)) {
       if (!may_move(u, v)) continue;
-      const float c = kernel_.cost(u, v);
+      const float c = planes_(u, v);
       if (!(c < cheapest)) continue;
       cheapest = c;
       cheapest_[v] = u;
@@ -156,7 +161,7 @@ class FanMerger {
 
   void offer(PointId u, PointId v) {
     if (!may_move(u, v)) return;
-    const float c = kernel_.cost(u, v);
+    const float c = planes_(u, v);
     if (!(c < cost_[v])) return;
     set_cost(v, c);
     cheapest_[v] = u;
@@ -266,7 +271,7 @@ class FanMerger {
     float needed = never;
     for (PointId u : kernel_.neighbours(v))
       if (kernel_.can_move(u) && kernel_.may_join(u, v)) {
-        const float c = kernel_.cost(u, v);
+        const float c = planes_(u, v);
         if (c <= threshold * reach())
           candidates_.emplace_back(c, u);
         else
@@ -289,13 +294,16 @@ class FanMerger {
         }
       }
       if (!kernel_.legal(u, v)) continue;
-      const float deviation = kernel_.measure(u, v);
+      const Replacement replacement = kernel_.replacement(u, v);
+      const float deviation = samples_.measure(replacement);
       if (deviation > most) {
         needed = std::min(needed, cost_of_level * squared(deviation));
         continue;
       }
       error = std::max(error, encode_error_up(std::max(deviation, kernel_.birth_error())));
       kernel_.apply(u, v, error, result_.script.children, changed_);
+      samples_.move(replacement);
+      planes_.applied(u, v);
       note_gone(u);
       if (kernel_.closed_hole_corner() != none) forget_cheapest_around(v, kernel_.closed_hole_corner());
       ++merged;
@@ -327,11 +335,13 @@ class FanMerger {
       if (kernel_.live_triangles() <= options_.target_triangles) break;
       if (!absorber_.valid(candidate)) continue;
       const auto members = absorber_.members(candidate);
-      const float deviation = kernel_.measure_absorption(members, candidate.target);
+      const Replacement replacement = kernel_.absorption(members, candidate.target);
+      const float deviation = samples_.measure(replacement);
       const ErrorCode8 error = encode_error_up(std::max(deviation, kernel_.birth_error()));
       const auto first = static_cast<std::uint32_t>(result_.script.children.size());
       changed_.clear();
       kernel_.absorb(members, candidate.target, error, result_.script.children, changed_);
+      samples_.move(replacement);
       for (PointId p : members) note_gone(p);
       close_fan(candidate.target, first, error);
       ++taken;
@@ -349,6 +359,8 @@ class FanMerger {
   }
 
   SubstitutionKernel kernel_;
+  SurfaceSamples samples_;
+  QuadricCost planes_;
   ComponentAbsorber absorber_;
   SimplifyOptions options_;
   bool by_levels_;    // of error, not by cost
@@ -376,17 +388,18 @@ class FanMerger {
 }  // namespace
 
 SimplifyResult simplify_cell(CellMesh cell, const SimplifyOptions& options) {
-  const auto positions = cell.positions;
-  const auto first_wedge = cell.wedge_group;
-  const auto triangles = cell.triangles;
-  const auto births = cell.births;
-  SimplifyResult result = FanMerger(std::move(cell), options).run();
+  SimplifyResult result = [&] {
+    FanMerger merger(cell, options);
+    cell.samples = {};  // the merger has its own
+    return merger.run();
+  }();
   std::vector<std::uint32_t> changed;
-  CUESTA_CHECK(cover_fans({positions, first_wedge, triangles, births}, result.script, changed));
+  CUESTA_CHECK(
+      cover_fans({cell.positions, cell.wedge_group, cell.triangles, cell.births}, result.script, changed));
   const auto sphere_of = [&](std::uint32_t t) {
-    if (changed[t] == no_fan) return births[t].sphere;
+    if (changed[t] == no_fan) return cell.births[t].sphere;
     const Fan& fan = result.script.fans[changed[t]];
-    return decode_sphere(fan.sphere, positions[fan.centre]);
+    return decode_sphere(fan.sphere, cell.positions[fan.centre]);
   };
   for (std::size_t i = 0; i < result.survivors.triangles.size(); ++i)
     result.survivors.births[i].sphere = sphere_of(result.survivors.triangles[i]);

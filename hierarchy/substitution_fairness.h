@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "hierarchy/quadric_cost.h"
 #include "hierarchy/substitution_kernel.h"
 
 namespace cuesta {
@@ -13,15 +14,15 @@ namespace cuesta {
 /// Distance from the planes that the vertex stands for. Source: Garland, Heckbert, SIGGRAPH 1997 (quadric.h).
 class QuadricFairness {
  public:
-  explicit QuadricFairness(const SubstitutionKernel& kernel) : kernel_(kernel) {}
+  explicit QuadricFairness(const SubstitutionKernel& kernel) : planes_(kernel) {}
 
   void costs(PointId u, std::span<const PointId> targets, std::span<float> out) const {
-    for (std::size_t i = 0; i < targets.size(); ++i) out[i] = kernel_.cost(u, targets[i]);
+    for (std::size_t i = 0; i < targets.size(); ++i) out[i] = planes_(u, targets[i]);
   }
-  void applied(PointId, PointId, std::span<const Child>) {}
+  void applied(PointId u, PointId v, std::span<const Child>) { planes_.applied(u, v); }
 
  private:
-  const SubstitutionKernel& kernel_;
+  QuadricCost planes_;
 };
 
 /// Volume between the surface before and after, plus the edge's length times the change of area, plus

@@ -5,9 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "hierarchy/sample_choice.h"
-#include "ooc/check.h"
-
 namespace cuesta {
 namespace {
 
@@ -15,12 +12,10 @@ namespace {
 constexpr float least_cosine = 0.2f;
 /// A triangle of a field of heights is no narrower, seen from above, in grid steps.
 constexpr double least_width = 2;
-/// Weight of the plane that stands on a border edge, against the area weights of the surface's own planes.
-constexpr float border_weight = 2.0f;
 
 }  // namespace
 
-SubstitutionKernel::SubstitutionKernel(CellMesh cell) {
+SubstitutionKernel::SubstitutionKernel(const CellMesh& cell) : corners_(cell.triangles) {
   birth_errors_.reserve(cell.births.size());
   for (const Birth& b : cell.births) birth_errors_.push_back(b.error);
   const std::size_t vertices = cell.positions.size();
@@ -30,7 +25,6 @@ SubstitutionKernel::SubstitutionKernel(CellMesh cell) {
   for (const Vec3i& p : cell.positions) lo = min(lo, p);
   origin_ = lo;
   if (cell.vertical) vertical_.emplace(*cell.vertical, lo);
-  batch_ = DeviationBatch(vertical_);
   for (std::uint32_t v = 0; v < vertices; ++v) {
     if (cell.wedge_group[v] == v) {
       first_vertex_.push_back(v);
@@ -41,7 +35,6 @@ SubstitutionKernel::SubstitutionKernel(CellMesh cell) {
     }
     point_of[v] = static_cast<PointId>(position_.size() - 1);
   }
-  corners_ = std::move(cell.triangles);
   if (position_.size() != vertices) {
     wedges_ = corners_;
     for (auto& t : corners_) t = {point_of[t[0]], point_of[t[1]], point_of[t[2]]};
@@ -51,8 +44,6 @@ SubstitutionKernel::SubstitutionKernel(CellMesh cell) {
   stamp_.assign(position_.size(), 0);
   build_stars();
   walk_edges();
-  build_quadrics();
-  adopt_samples(cell.samples);
 }
 
 void SubstitutionKernel::build_stars() {
@@ -133,49 +124,6 @@ void SubstitutionKernel::find_components(std::uint64_t rings) {
   const std::int64_t euler = static_cast<std::int64_t>(point_count()) - static_cast<std::int64_t>(rings / 2) +
                              static_cast<std::int64_t>(corners_.size());
   loops_ = static_cast<std::uint32_t>(std::max<std::int64_t>(0, std::int64_t{component_count_} - euler));
-}
-
-void SubstitutionKernel::build_quadrics() {
-  movers_.resize(position_.size());
-  for (const auto& t : corners_) {
-    const Vec3f a = position_[t[0]], b = position_[t[1]], c = position_[t[2]];
-    const Vec3f n = cross(b - a, c - a);
-    const float twice_area = length(n);
-    if (!(twice_area > 0)) continue;
-    const Vec3f unit = n / twice_area;
-    const float upright = vertical_ ? dot(unit, vertical_->up(a)) : 1.0f;
-    if (upright > least_uprightness)  // of heights: vertical distance, and the area seen from above
-      for (int i = 0; i < 3; ++i) movers_[t[i]].quadric.add_plane(unit / upright, twice_area * upright);
-    for (int i = 0; i < 3; ++i) {
-      const PointId p = t[i], q = t[(i + 1) % 3];
-      if (!border(p) || !border(q)) continue;
-      if (edge_triangles(p, q) != 1) continue;
-      const Vec3f e = position_[q] - position_[p];
-      const Vec3f side = normalized(cross(e, unit));
-      for (PointId end : {p, q}) movers_[end].quadric.add_plane(side, border_weight * dot(e, e));
-    }
-  }
-  for (PointId p = 0; p < point_count(); ++p) {
-    movers_[p].position = position_[p];
-    set_divisor(p);
-  }
-}
-
-void SubstitutionKernel::set_divisor(PointId p) {
-  const float weight = movers_[p].quadric.weight;
-  movers_[p].divisor = vertical_ ? weight : std::sqrt(weight);
-}
-
-void SubstitutionKernel::adopt_samples(const TriangleSamples& samples) {
-  samples_.resize(corners_.size());
-  sample_arena_.reserve((samples.points.size() + point_count()) * 2);
-  for (const Vec3i& p : samples.points) sample_arena_.push_back(vec_cast<float>(p - origin_));
-  live_samples_ = sample_arena_.size();
-  if (samples.begin.empty()) return;
-  for (TriangleId t = 0; t < corners_.size(); ++t) {
-    samples_[t] = {samples.begin[t], samples.begin[t + 1] - samples.begin[t]};
-    chosen_ |= samples_[t].count >= max_triangle_samples;
-  }
 }
 
 std::uint32_t SubstitutionKernel::next_stamp() {
@@ -422,16 +370,6 @@ bool SubstitutionKernel::legal_pair(PointId u, PointId v) {
   return true;
 }
 
-/// Samples of the patch and the points that leave, into the batch.
-void SubstitutionKernel::collect_samples() {
-  batch_.clear();
-  for (TriangleId t : patch_) {
-    const SampleRun run = samples_[t];
-    if (run.count > 0) batch_.add({sample_arena_.data() + run.begin, run.count});
-  }
-  for (PointId p : leaving_) batch_.add(position_[p]);
-}
-
 /// Triangles that take the samples and are reborn: those that u → v modifies; when it modifies none (u is the
 /// tip of an ear), what is left around v, so that v cannot go before u.
 void SubstitutionKernel::choose_targets(PointId u, PointId v) {
@@ -444,44 +382,36 @@ void SubstitutionKernel::choose_targets(PointId u, PointId v) {
     if (!has_corner(t, u)) targets_.push_back(t);
 }
 
-/// Distances of the batch to the targets with u replaced by v.
-void SubstitutionKernel::measure_targets(PointId u, PointId v) {
+/// What was put together for u → v; none if nothing moves.
+Replacement SubstitutionKernel::describe(PointId u, PointId v) {
   target_corners_.clear();
-  const auto at = [&](PointId p) { return position_[p == u ? v : p]; };
   for (TriangleId t : targets_) {
-    const auto& c = corners_[t];
-    target_corners_.push_back({at(c[0]), at(c[1]), at(c[2])});
+    auto c = corners_[t];
+    for (PointId& p : c)
+      if (p == u) p = v;
+    target_corners_.push_back(c);
   }
-  batch_.measure(target_corners_);
+  return {patch_, leaving_, targets_, target_corners_, closed_hole_};
 }
 
-float SubstitutionKernel::measure(PointId u, PointId v) {
+Replacement SubstitutionKernel::replacement(PointId u, PointId v) {
   patch_.assign(star(u).begin(), star(u).end());
   leaving_.assign(1, u);
-  collect_samples();
   choose_targets(u, v);
-  measure_targets(u, v);
-  return std::max(worst_bound(), closed_hole_);
+  return describe(u, v);
 }
 
-float SubstitutionKernel::measure_absorption(std::span<const PointId> members, PointId v) {
+Replacement SubstitutionKernel::absorption(std::span<const PointId> members, PointId v) {
   patch_.clear();
   guarded_.clear();
   leaving_.assign(members.begin(), members.end());
   for (PointId p : members)
     for (TriangleId t : star(p))
       if (corners_[t][0] == p) patch_.push_back(t);  // each triangle once
-  collect_samples();
   targets_.assign(star(v).begin(), star(v).end());
   targets_apart_ = true;
-  measure_targets(none, none);
-  return worst_bound();
-}
-
-/// Where samples have been left out, what is measured gets a margin.
-float SubstitutionKernel::worst_bound() const {
-  const float bound = batch_.worst_bound();
-  return chosen_ ? bound * (1 + chosen_samples_margin) : bound;
+  closed_hole_ = 0;
+  return describe(none, none);
 }
 
 float SubstitutionKernel::birth_error() const {
@@ -497,47 +427,6 @@ void SubstitutionKernel::remove_from_star(PointId p, TriangleId t) {
   TriangleId* const at = std::find(first, last, t);
   std::copy(at + 1, last, at);
   --star_size_[p];
-}
-
-/// Hands the measured samples to their nearest triangles, which get a new run each: what they have kept, and
-/// what they take. Points that leave are samples like those they stood for.
-void SubstitutionKernel::redistribute_samples() {
-  live_samples_ += leaving_.size();
-  std::size_t kept = 0;
-  for (TriangleId t : targets_) kept += samples_[t].count;
-  if (sample_arena_.size() + kept + batch_.size() > sample_arena_.capacity()) pack_samples();
-  target_fill_.assign(targets_.size(), 0);
-  const auto nearest = batch_.nearest();
-  std::int32_t lowest = 0;
-  for (const std::int32_t k : nearest) lowest = std::min(lowest, k);
-  CUESTA_CHECK(lowest == 0);
-  std::uint32_t* const fill = target_fill_.data();
-  for (const std::int32_t k : nearest) ++fill[k];
-  auto end = static_cast<std::uint32_t>(sample_arena_.size());
-  sample_arena_.resize(sample_arena_.size() + kept + batch_.size());
-  for (std::size_t k = 0; k < targets_.size(); ++k) {
-    SampleRun& run = samples_[targets_[k]];
-    std::copy_n(sample_arena_.begin() + run.begin, run.count, sample_arena_.begin() + end);
-    const std::uint32_t taken = std::exchange(target_fill_[k], end + run.count);
-    run = {end, run.count + taken};
-    end += run.count;
-  }
-  Vec3f* const arena = sample_arena_.data();
-  for (std::size_t i = 0; i < nearest.size(); ++i) arena[fill[nearest[i]]++] = batch_.point(i);
-}
-
-/// Runs that were left behind go; room for as much again, and for what is about to come.
-void SubstitutionKernel::pack_samples() {
-  std::vector<Vec3f> packed;
-  packed.reserve(2 * (live_samples_ + point_count()));
-  for (TriangleId t = 0; t < corners_.size(); ++t) {
-    SampleRun& run = samples_[t];
-    if (!alive_[t] || run.count == 0) continue;
-    const auto first = sample_arena_.begin() + run.begin;
-    run.begin = static_cast<std::uint32_t>(packed.size());
-    packed.insert(packed.end(), first, first + run.count);
-  }
-  sample_arena_ = std::move(packed);
 }
 
 void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vector<Child>& children,
@@ -579,16 +468,12 @@ void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vect
           break;
         }
     }
-    samples_[t].count = 0;
   }
   changed.insert(changed.end(), targets_.begin(), targets_.end());
   changed.insert(changed.end(), guarded_.begin(), guarded_.end());
   star_size_[v] = static_cast<std::uint32_t>(arena_.size()) - star_begin_[v];
   star_size_[u] = 0;
   flags_[u] |= flag_removed;
-  movers_[v].quadric.add(movers_[u].quadric, position_[u] - position_[v]);
-  set_divisor(v);
-  redistribute_samples();
   if (closed_hole_ > 0) {
     update_border(v);
     update_border(hole_corner_);
@@ -614,55 +499,10 @@ void SubstitutionKernel::absorb(std::span<const PointId> members, PointId v, Err
     flags_[p] |= flag_removed;
   }
   changed.insert(changed.end(), targets_.begin(), targets_.end());
-  redistribute_samples();
 }
 
 void SubstitutionKernel::rebirth(std::span<const TriangleId> changed, float error) {
   for (TriangleId t : changed) birth_errors_[t] = error;
-}
-
-/// Of a field of heights: the samples at the triangle's edges on a rim, or beyond them. Others may be found
-/// again above and below triangles, but these above and below none.
-std::size_t SubstitutionKernel::move_rim_samples_first(TriangleId t, std::span<Vec3f> samples) const {
-  if (!vertical_ || samples.size() <= max_triangle_samples) return 0;
-  auto inner = samples.begin();
-  for (std::size_t k = 0; k < 3; ++k) {
-    const PointId p = corners_[t][k], q = corners_[t][(k + 1) % 3];
-    if (!border(p) || !border(q) || edge_triangles(p, q) != 1) continue;
-    const Vec3d a = vec_cast<double>(position_[p]), b = vec_cast<double>(position_[q]);
-    inner = std::stable_partition(inner, samples.end(), [&](const Vec3f& s) {
-      return inside_of(vec_cast<double>(s), a, b, normalized(vec_cast<double>(vertical_->up(s)))) < rim_width;
-    });
-  }
-  return static_cast<std::size_t>(inner - samples.begin());
-}
-
-CellSurvivors SubstitutionKernel::survivors() const {
-  CellSurvivors out;
-  out.triangles.reserve(live_triangles_);
-  out.corners.reserve(live_triangles_);
-  out.births.reserve(live_triangles_);
-  out.samples.begin.reserve(live_triangles_ + 1);
-  out.samples.begin.push_back(0);
-  SampleChoice choice(vertical_);
-  std::vector<Vec3f> samples;
-  for (TriangleId t = 0; t < corners_.size(); ++t) {
-    if (!alive_[t]) continue;
-    const auto& c = corners_[t];
-    out.triangles.push_back(t);
-    out.corners.push_back(wedges_.empty() ? c : wedges_[t]);
-    out.births.push_back({birth_errors_[t], {}});
-    const auto first = sample_arena_.begin() + samples_[t].begin;
-    samples.assign(first, first + samples_[t].count);
-    const std::span inner = std::span(samples).subspan(move_rim_samples_first(t, samples));
-    const std::size_t left_out =
-        inner.size() -
-        choice.keep(inner, {position_[c[0]], position_[c[1]], position_[c[2]]}, max_triangle_samples);
-    samples.resize(samples.size() - left_out);
-    for (const Vec3f& p : samples) out.samples.points.push_back(vec_cast<std::int32_t>(p) + origin_);
-    out.samples.begin.push_back(static_cast<std::uint32_t>(out.samples.points.size()));
-  }
-  return out;
 }
 
 }  // namespace cuesta

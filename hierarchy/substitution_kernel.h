@@ -9,24 +9,18 @@
 #include <vector>
 
 #include "hierarchy/cell_mesh.h"
-#include "hierarchy/deviation.h"
-#include "hierarchy/quadric.h"
+#include "hierarchy/replacement.h"
+#include "hierarchy/vertical_deviation.h"
 
 namespace cuesta {
 
-using PointId = std::uint32_t;
-using TriangleId = std::uint32_t;
 inline constexpr std::uint32_t none = 0xFFFFFFFFu;
 
-/// Share added to the deviations of a cell whose samples were chosen from more (max_triangle_samples): what
-/// one that was left out may lie farther away than all that were kept. Measured, not proven:
-/// docs/design-notes.md.
-inline constexpr float chosen_samples_margin = 1.0f / 12;
-
-/// Flat arrays, about 48 bytes per triangle and 90 per point, plus stars in one arena that only grows.
+/// Flat arrays, about 40 bytes per triangle and 90 per point, plus stars in one arena that only grows. Of
+/// samples it knows nothing: SurfaceSamples measures what replacement() says, now or later.
 class SubstitutionKernel {
  public:
-  explicit SubstitutionKernel(CellMesh cell);
+  explicit SubstitutionKernel(const CellMesh& cell);
 
   std::uint32_t point_count() const { return static_cast<std::uint32_t>(position_.size()); }
   std::uint32_t live_triangles() const { return live_triangles_; }
@@ -42,14 +36,6 @@ class SubstitutionKernel {
 
   bool is_field_of_heights() const { return vertical_.has_value(); }
 
-  /// Quadric cost of u → v: area-weighted squared distance to the planes u stands for, over the root of the
-  /// area. (Measured on the bunny at 1 % of the triangles: undivided +2 % mean error; divided by the area,
-  /// the mean squared distance, equal here and +3 % at 0.5 %.) Unit: grid units to the third power. Of a
-  /// field of heights the mean squared vertical distance, seen from above: square grid units.
-  float cost(PointId u, PointId v) const {
-    const Mover& m = movers_[u];
-    return m.quadric.at(position_[v] - m.position) / m.divisor;
-  }
   /// True if u → v needs no look at geometry to be refused: u is on a border and v is not, say.
   bool may_join(PointId u, PointId v) const { return loose_topology_ || !(border(u) && !border(v)); }
 
@@ -74,36 +60,34 @@ class SubstitutionKernel {
   bool on_border(PointId p) const { return border(p); }
   /// Whether a triangle has both as corners.
   bool adjacent(PointId u, PointId v) const { return edge_triangles(u, v) > 0; }
+  std::uint32_t edge_triangles(PointId p, PointId q) const;  ///< that have both as corners
   /// The vertex that triangle t has at its corner at p.
   std::uint32_t vertex_at(TriangleId t, PointId p) const {
     if (wedges_.empty()) return first_vertex_[p];
     const auto& c = corners_[t];
     return wedges_[t][c[0] == p ? 0 : c[1] == p ? 1 : 2];
   }
-  /// Measures u → v, which must be legal: the largest distance of the samples it moves, grid units, rounded
-  /// up.
-  float measure(PointId u, PointId v);
-  /// Whether samples have been left out, so that measure() is an estimate.
-  bool has_chosen_samples() const { return chosen_; }
+  /// What u → v, which must be legal, replaces.
+  Replacement replacement(PointId u, PointId v);
+  /// What a whole component, `members` being all its points, leaves to the triangles around v, a point of
+  /// another component. @pre no member is locked, v has triangles.
+  Replacement absorption(std::span<const PointId> members, PointId v);
   /// Largest birth error of the triangles around u.
   float birth_error_around(PointId u) const {
     float error = 0;
     for (TriangleId t : star(u)) error = std::max(error, birth_errors_[t]);
     return error;
   }
-  /// Largest birth error of the triangles that what was measured last depends on.
+  /// Largest birth error of the triangles that the last replacement depends on.
   float birth_error() const;
-  /// Applies u → v as measured last; appends the wedge substitutions with this error to `children`, and the
-  /// triangles it changed to `changed`.
+  /// Applies u → v, the last replacement; appends the wedge substitutions with this error to `children`, and
+  /// the triangles it changed to `changed`.
   void apply(PointId u, PointId v, ErrorCode8 error, std::vector<Child>& children,
              std::vector<TriangleId>& changed);
   /// The third corner of the border loop that the substitution applied last closed, or none: it and v may
   /// have left the border, so what may join them has changed.
   PointId closed_hole_corner() const { return closed_hole_ > 0 ? hole_corner_ : none; }
-  /// The largest distance of the samples of a whole component, `members` being all its points, to the
-  /// triangles around v, a point of another component. @pre no member is locked, v has triangles.
-  float measure_absorption(std::span<const PointId> members, PointId v);
-  /// Removes the component as measured last: all its vertices go to v together. Arguments as apply().
+  /// Removes the component, the last replacement: all its vertices go to v together. Arguments as apply().
   void absorb(std::span<const PointId> members, PointId v, ErrorCode8 error, std::vector<Child>& children,
               std::vector<TriangleId>& changed);
 
@@ -116,22 +100,18 @@ class SubstitutionKernel {
     return vec_cast<std::int32_t>(vec_cast<double>(position_[p])) + origin_;
   }
   std::uint32_t first_vertex(PointId p) const { return first_vertex_[p]; }
-  /// Without the balls of births.
-  CellSurvivors survivors() const;
+  Vec3i origin() const { return origin_; }  ///< grid position of the cell's own origin
+  const std::optional<LocalVertical>& vertical() const { return vertical_; }
+  std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(corners_.size()); }
+  bool alive(TriangleId t) const { return alive_[t] != 0; }
+  /// The vertices at the corners of t.
+  const std::array<std::uint32_t, 3>& vertices(TriangleId t) const {
+    return wedges_.empty() ? corners_[t] : wedges_[t];
+  }
+  float birth_error(TriangleId t) const { return birth_errors_[t]; }
 
  private:
   static constexpr std::uint8_t flag_removed = 1, flag_locked = 2, flag_border = 4;
-  /// A triangle's samples: sample_arena_[begin] … [begin + count - 1].
-  struct SampleRun {
-    std::uint32_t begin = 0, count = 0;
-  };
-  /// What the cost of moving a point needs of it: one cache line.
-  struct alignas(64) Mover {
-    Quadric quadric;
-    float divisor = 0;  ///< of the quadric's value
-    Vec3f position;
-  };
-
   bool border(PointId p) const { return (flags_[p] & flag_border) != 0; }
   bool has_corner(TriangleId t, PointId p) const {
     const auto& c = corners_[t];
@@ -156,27 +136,18 @@ class SubstitutionKernel {
   bool is_manifold_at(PointId p);
   void find_components(std::uint64_t rings);
   std::span<const PointId> walked_neighbours(PointId p);
-  void build_quadrics();
-  void set_divisor(PointId p);
-  void adopt_samples(const TriangleSamples& samples);
   bool link_condition(PointId u, PointId v);
   bool loosely_legal(PointId u, PointId v);
   bool doubles_triangle(PointId u, PointId v) const;
   bool doubles_triangle(PointId u, PointId v, PointId w, PointId x) const;
   bool closes_hole(PointId u, PointId v);
-  std::uint32_t edge_triangles(PointId p, PointId q) const;
   void update_border(PointId p);
   bool ear_has_neighbour(PointId u, PointId v) const;
   bool keeps_orientation(PointId u, PointId v) const;
   bool stays_upright(PointId u, PointId v) const;
   bool map_wedges(PointId u, PointId v);
-  void collect_samples();
-  float worst_bound() const;
-  void measure_targets(PointId u, PointId v);
+  Replacement describe(PointId u, PointId v);
   void choose_targets(PointId u, PointId v);
-  void redistribute_samples();
-  void pack_samples();
-  std::size_t move_rim_samples_first(TriangleId t, std::span<Vec3f> samples) const;
   void remove_from_star(PointId p, TriangleId t);
   std::uint32_t next_stamp();
 
@@ -184,7 +155,6 @@ class SubstitutionKernel {
   std::optional<LocalVertical> vertical_;  // of a field of heights
   std::vector<Vec3f> position_;            // per point, local, exact integers
   std::vector<std::uint8_t> flags_;
-  std::vector<Mover> movers_;
   std::vector<std::uint32_t> star_begin_, star_size_;
   std::vector<TriangleId> arena_;
   std::vector<std::uint32_t> first_vertex_;           // per point
@@ -193,21 +163,15 @@ class SubstitutionKernel {
   std::vector<std::array<PointId, 3>> corners_;  // per triangle
   std::vector<std::uint8_t> alive_;
   std::vector<float> birth_errors_;  // per triangle
-  std::vector<SampleRun> samples_;   // per triangle
-  std::vector<Vec3f> sample_arena_;  // only grows, until it is packed
-  std::size_t live_samples_ = 0;
-  bool chosen_ = false;  // some triangle has as many samples as it may: others will have been left out
   std::uint32_t live_triangles_ = 0;
 
   // Scratch of one substitution.
   std::vector<std::uint32_t> stamp_;
   std::uint32_t current_stamp_ = 0;
   std::vector<PointId> ring_;
-  DeviationBatch batch_;
-  std::vector<std::array<Vec3f, 3>> target_corners_;
-  std::vector<std::uint32_t> target_fill_;
   std::vector<TriangleId> patch_, targets_;  // triangles that go or change; those that take their samples
-  bool targets_apart_ = false;               // targets are no part of the patch
+  std::vector<std::array<PointId, 3>> target_corners_;
+  bool targets_apart_ = false;       // targets are no part of the patch
   std::vector<TriangleId> guarded_;  // reborn too: nothing at the corners of what goes may change before it
   std::vector<PointId> leaving_;
   bool loose_topology_ = false;
