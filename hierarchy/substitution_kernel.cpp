@@ -29,9 +29,9 @@ SubstitutionKernel::SubstitutionKernel(const CellMesh& cell) : corners_(cell.tri
     if (cell.wedge_group[v] == v) {
       first_vertex_.push_back(v);
       position_.push_back(vec_cast<float>(cell.positions[v] - lo));
-      flags_.push_back(cell.locked[v] ? flag_locked : std::uint8_t{0});
+      points_.push_back({.flags = cell.locked[v] ? flag_locked : std::uint8_t{0}});
     } else if (cell.locked[v]) {
-      flags_.back() |= flag_locked;
+      points_.back().flags |= flag_locked;
     }
     point_of[v] = static_cast<PointId>(position_.size() - 1);
   }
@@ -41,26 +41,23 @@ SubstitutionKernel::SubstitutionKernel(const CellMesh& cell) : corners_(cell.tri
   }
   live_triangles_ = static_cast<std::uint32_t>(corners_.size());
   alive_.assign(corners_.size(), 1);
-  stamp_.assign(position_.size(), 0);
   build_stars();
   walk_edges();
 }
 
 void SubstitutionKernel::build_stars() {
-  star_size_.assign(position_.size(), 0);
   for (const auto& t : corners_)
-    for (PointId p : t) ++star_size_[p];
-  star_begin_.resize(position_.size());
+    for (PointId p : t) ++points_[p].star_size;
   std::uint32_t total = 0;
-  for (std::size_t p = 0; p < star_size_.size(); ++p) {
-    star_begin_[p] = total;
-    total += star_size_[p];
+  for (Point& p : points_) {
+    p.star_begin = total;
+    total += p.star_size;
+    p.star_size = 0;
   }
   arena_.reserve(std::size_t{total} * 3);
   arena_.resize(total);
-  std::vector<std::uint32_t> fill = star_begin_;
   for (TriangleId t = 0; t < corners_.size(); ++t)
-    for (PointId p : corners_[t]) arena_[fill[p]++] = t;
+    for (PointId p : corners_[t]) arena_[points_[p].star_begin + points_[p].star_size++] = t;
 }
 
 /// Borders, orientation, manifoldness, components and loops in one walk over the edges around each point.
@@ -74,11 +71,11 @@ void SubstitutionKernel::walk_edges() {
 void SubstitutionKernel::walk_edges_around(PointId p, std::uint64_t& rings) {
   const std::uint32_t out = next_stamp();
   bool oriented = true;
-  for (TriangleId t : star(p)) oriented &= std::exchange(stamp_[next_corner(t, p)], out) != out;
+  for (TriangleId t : star(p)) oriented &= std::exchange(points_[next_corner(t, p)].stamp, out) != out;
   const std::uint32_t in = next_stamp();
   std::size_t size = star(p).size();
   for (TriangleId t : star(p)) {
-    const std::uint32_t before = std::exchange(stamp_[previous_corner(t, p)], in);
+    const std::uint32_t before = std::exchange(points_[previous_corner(t, p)].stamp, in);
     oriented &= before != in;
     size += before != out;
   }
@@ -87,7 +84,7 @@ void SubstitutionKernel::walk_edges_around(PointId p, std::uint64_t& rings) {
     size = walked_neighbours(p).size();
   }
   rings += size;
-  if (size != star(p).size()) flags_[p] |= flag_border;
+  if (size != star(p).size()) points_[p].flags |= flag_border;
   if (manifold_ && can_move(p)) manifold_ = oriented ? size <= star(p).size() + 1 : is_manifold_at(p);
 }
 
@@ -128,7 +125,7 @@ void SubstitutionKernel::find_components(std::uint64_t rings) {
 
 std::uint32_t SubstitutionKernel::next_stamp() {
   if (++current_stamp_ == 0) {
-    std::fill(stamp_.begin(), stamp_.end(), 0u);
+    for (Point& p : points_) p.stamp = 0;
     current_stamp_ = 1;
   }
   return current_stamp_;
@@ -144,11 +141,11 @@ std::span<const PointId> SubstitutionKernel::neighbours(PointId p) {
   for (TriangleId t : around) *end++ = next_corner(t, p);
   if (border(p)) {
     const std::uint32_t seen = next_stamp();
-    for (std::size_t i = 0; i < around.size(); ++i) stamp_[ring_[i]] = seen;
+    for (std::size_t i = 0; i < around.size(); ++i) points_[ring_[i]].stamp = seen;
     for (TriangleId t : around) {
       const PointId q = previous_corner(t, p);
-      if (stamp_[q] != seen) *end++ = q;
-      stamp_[q] = seen;
+      if (points_[q].stamp != seen) *end++ = q;
+      points_[q].stamp = seen;
     }
   }
   return {ring_.data(), end};
@@ -156,12 +153,12 @@ std::span<const PointId> SubstitutionKernel::neighbours(PointId p) {
 
 std::span<const PointId> SubstitutionKernel::walked_neighbours(PointId p) {
   const std::uint32_t seen = next_stamp();
-  stamp_[p] = seen;
+  points_[p].stamp = seen;
   if (ring_.size() < 2 * star(p).size()) ring_.resize(2 * star(p).size());
   PointId* end = ring_.data();
   for (TriangleId t : star(p))
     for (PointId q : corners_[t])
-      if (std::exchange(stamp_[q], seen) != seen) *end++ = q;
+      if (std::exchange(points_[q].stamp, seen) != seen) *end++ = q;
   return {ring_.data(), end};
 }
 
@@ -171,8 +168,8 @@ std::span<const PointId> SubstitutionKernel::walked_neighbours(PointId p) {
 bool SubstitutionKernel::link_condition(PointId u, PointId v) {
   const std::uint32_t near_v = next_stamp();
   for (TriangleId t : star(v))
-    for (PointId q : corners_[t]) stamp_[q] = near_v;
-  const bool v_locked = (flags_[v] & flag_locked) != 0;
+    for (PointId q : corners_[t]) points_[q].stamp = near_v;
+  const bool v_locked = (points_[v].flags & flag_locked) != 0;
   const std::uint32_t counted = next_stamp();
   std::uint32_t at_edge = 0;
   PointId third[2] = {none, none};
@@ -180,23 +177,23 @@ bool SubstitutionKernel::link_condition(PointId u, PointId v) {
     if (!has_corner(t, v)) continue;
     if (at_edge == 2) return false;
     const PointId q = third_corner(t, u, v);
-    if (std::exchange(stamp_[q], counted) == counted) return false;  // doubled triangles
+    if (std::exchange(points_[q].stamp, counted) == counted) return false;  // doubled triangles
     third[at_edge++] = q;
   }
   if (at_edge != (border(u) ? 1u : 2u)) return false;
   std::uint32_t others_in_common = 0;
   for (TriangleId t : star(u))
     for (PointId q : corners_[t]) {
-      if (q == u || q == v || stamp_[q] == counted) continue;
-      if (stamp_[q] == near_v) ++others_in_common;
+      if (q == u || q == v || points_[q].stamp == counted) continue;
+      if (points_[q].stamp == near_v) ++others_in_common;
       // A new edge between locked points might exist already in the neighbouring cell.
-      else if (v_locked && (flags_[q] & flag_locked) != 0)
+      else if (v_locked && (points_[q].flags & flag_locked) != 0)
         return false;
-      stamp_[q] = counted;
+      points_[q].stamp = counted;
     }
   if (others_in_common == 1 && border(u)) return closes_hole(u, v);
   if (others_in_common != 0) return false;
-  if (star_size_[u] == at_edge) return ear_has_neighbour(u, v);
+  if (points_[u].star_size == at_edge) return ear_has_neighbour(u, v);
   return !doubles_triangle(u, v, third[0], third[1]);
 }
 
@@ -208,7 +205,7 @@ bool SubstitutionKernel::doubles_triangle(PointId u, PointId v) const {
     const auto& c = corners_[t];
     const int i = c[0] == u ? 0 : c[1] == u ? 1 : 2;
     const PointId a = c[(i + 1) % 3], b = c[(i + 2) % 3];
-    if ((flags_[v] & flags_[a] & flags_[b] & flag_locked) != 0) return true;
+    if ((points_[v].flags & points_[a].flags & points_[b].flags & flag_locked) != 0) return true;
     for (TriangleId s : star(v))
       if (has_corner(s, a) && has_corner(s, b)) return true;
   }
@@ -218,11 +215,11 @@ bool SubstitutionKernel::doubles_triangle(PointId u, PointId v) const {
 /// The same where w and x are all that u and v have in common as neighbours: a triangle around u can have a
 /// double around v only if both its other corners are among these.
 bool SubstitutionKernel::doubles_triangle(PointId u, PointId v, PointId w, PointId x) const {
-  const bool v_locked = (flags_[v] & flag_locked) != 0;
+  const bool v_locked = (points_[v].flags & flag_locked) != 0;
   for (TriangleId t : star(u)) {
     const PointId a = next_corner(t, u), b = previous_corner(t, u);
     if (a == v || b == v) continue;
-    if (v_locked && (flags_[a] & flags_[b] & flag_locked) != 0) return true;
+    if (v_locked && (points_[a].flags & points_[b].flags & flag_locked) != 0) return true;
     if ((a != w && a != x) || (b != w && b != x)) continue;
     for (TriangleId s : star(v))
       if (has_corner(s, a) && has_corner(s, b)) return true;
@@ -236,7 +233,7 @@ bool SubstitutionKernel::closes_hole(PointId u, PointId v) {
   for (PointId w : neighbours(u)) {
     if (w == v || edge_triangles(u, w) != 1 || edge_triangles(v, w) != 1) continue;
     // Between two locked points the edge may be the cell's border only.
-    if ((flags_[v] & flag_locked) != 0 && (flags_[w] & flag_locked) != 0) return false;
+    if ((points_[v].flags & flag_locked) != 0 && (points_[w].flags & flag_locked) != 0) return false;
     const Vec3f a = position_[u] - position_[v], b = position_[u] - position_[w];
     closed_hole_ = std::sqrt(std::max(dot(a, a), dot(b, b)));
     hole_corner_ = w;
@@ -262,7 +259,7 @@ bool SubstitutionKernel::loosely_legal(PointId u, PointId v) {
         if (!has_corner(s, u)) guarded_.push_back(s);
     }
   }
-  return going > 0 && star_size_[v] > going;
+  return going > 0 && points_[v].star_size > going;
 }
 
 std::uint32_t SubstitutionKernel::edge_triangles(PointId p, PointId q) const {
@@ -272,8 +269,8 @@ std::uint32_t SubstitutionKernel::edge_triangles(PointId p, PointId q) const {
 }
 
 void SubstitutionKernel::update_border(PointId p) {
-  flags_[p] &= static_cast<std::uint8_t>(~flag_border);
-  if (walked_neighbours(p).size() != star(p).size()) flags_[p] |= flag_border;
+  points_[p].flags &= static_cast<std::uint8_t>(~flag_border);
+  if (walked_neighbours(p).size() != star(p).size()) points_[p].flags |= flag_border;
 }
 
 /// u is the tip of an ear, its only triangle (u, v, w): the triangle across (v, w) must be there to take its
@@ -282,7 +279,7 @@ bool SubstitutionKernel::ear_has_neighbour(PointId u, PointId v) const {
   const auto& c = corners_[star(u)[0]];
   const PointId w = c[0] + c[1] + c[2] - u - v;
   const auto around = star(v);
-  return star_size_[u] == 1 && std::any_of(around.begin(), around.end(), [&](TriangleId t) {
+  return points_[u].star_size == 1 && std::any_of(around.begin(), around.end(), [&](TriangleId t) {
            return has_corner(t, w) && !has_corner(t, u);
          });
 }
@@ -422,11 +419,11 @@ float SubstitutionKernel::birth_error() const {
 }
 
 void SubstitutionKernel::remove_from_star(PointId p, TriangleId t) {
-  TriangleId* const first = arena_.data() + star_begin_[p];
-  TriangleId* const last = first + star_size_[p];
+  TriangleId* const first = arena_.data() + points_[p].star_begin;
+  TriangleId* const last = first + points_[p].star_size;
   TriangleId* const at = std::find(first, last, t);
   std::copy(at + 1, last, at);
-  --star_size_[p];
+  --points_[p].star_size;
 }
 
 void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vector<Child>& children,
@@ -439,16 +436,17 @@ void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vect
   }
   // v's new star is at the arena's end: what it had, less what dies, and u's modified triangles. In a fan it
   // is there already, and stays: copied for each child, a centre of n neighbours would take n² places.
-  if (star_begin_[v] + star_size_[v] != arena_.size()) {
+  if (points_[v].star_begin + points_[v].star_size != arena_.size()) {
     const auto begin = static_cast<std::uint32_t>(arena_.size());
-    for (std::uint32_t i = 0; i < star_size_[v]; ++i) arena_.push_back(arena_[star_begin_[v] + i]);
-    star_begin_[v] = begin;
+    for (std::uint32_t i = 0; i < points_[v].star_size; ++i)
+      arena_.push_back(arena_[points_[v].star_begin + i]);
+    points_[v].star_begin = begin;
   }
-  arena_.erase(std::remove_if(arena_.begin() + star_begin_[v], arena_.end(),
+  arena_.erase(std::remove_if(arena_.begin() + points_[v].star_begin, arena_.end(),
                               [&](TriangleId t) { return has_corner(t, u); }),
                arena_.end());
-  for (std::uint32_t i = 0; i < star_size_[u]; ++i) {
-    const TriangleId t = arena_[star_begin_[u] + i];
+  for (std::uint32_t i = 0; i < points_[u].star_size; ++i) {
+    const TriangleId t = arena_[points_[u].star_begin + i];
     auto& c = corners_[t];
     if (has_corner(t, v)) {
       alive_[t] = 0;
@@ -471,9 +469,9 @@ void SubstitutionKernel::apply(PointId u, PointId v, ErrorCode8 error, std::vect
   }
   changed.insert(changed.end(), targets_.begin(), targets_.end());
   changed.insert(changed.end(), guarded_.begin(), guarded_.end());
-  star_size_[v] = static_cast<std::uint32_t>(arena_.size()) - star_begin_[v];
-  star_size_[u] = 0;
-  flags_[u] |= flag_removed;
+  points_[v].star_size = static_cast<std::uint32_t>(arena_.size()) - points_[v].star_begin;
+  points_[u].star_size = 0;
+  points_[u].flags |= flag_removed;
   if (closed_hole_ > 0) {
     update_border(v);
     update_border(hole_corner_);
@@ -495,8 +493,8 @@ void SubstitutionKernel::absorb(std::span<const PointId> members, PointId v, Err
     --live_triangles_;
   }
   for (PointId p : members) {
-    star_size_[p] = 0;
-    flags_[p] |= flag_removed;
+    points_[p].star_size = 0;
+    points_[p].flags |= flag_removed;
   }
   changed.insert(changed.end(), targets_.begin(), targets_.end());
 }

@@ -24,10 +24,10 @@ class SubstitutionKernel {
 
   std::uint32_t point_count() const { return static_cast<std::uint32_t>(position_.size()); }
   std::uint32_t live_triangles() const { return live_triangles_; }
-  bool removed(PointId p) const { return (flags_[p] & flag_removed) != 0; }
-  bool can_move(PointId p) const { return (flags_[p] & (flag_removed | flag_locked)) == 0; }
+  bool removed(PointId p) const { return (points_[p].flags & flag_removed) != 0; }
+  bool can_move(PointId p) const { return (points_[p].flags & (flag_removed | flag_locked)) == 0; }
   std::span<const TriangleId> star(PointId p) const {
-    return {arena_.data() + star_begin_[p], star_size_[p]};
+    return {arena_.data() + points_[p].star_begin, points_[p].star_size};
   }
   const std::array<PointId, 3>& corners(TriangleId t) const { return corners_[t]; }
 
@@ -112,7 +112,14 @@ class SubstitutionKernel {
 
  private:
   static constexpr std::uint8_t flag_removed = 1, flag_locked = 2, flag_border = 4;
-  bool border(PointId p) const { return (flags_[p] & flag_border) != 0; }
+  /// What a look at a point needs in one place, but for where it is.
+  struct Point {
+    std::uint32_t star_begin = 0, star_size = 0;  // in the arena
+    std::uint32_t stamp = 0;                      // scratch: when it was seen last
+    std::uint8_t flags = 0;
+  };
+
+  bool border(PointId p) const { return (points_[p].flags & flag_border) != 0; }
   bool has_corner(TriangleId t, PointId p) const {
     const auto& c = corners_[t];
     return c[0] == p || c[1] == p || c[2] == p;
@@ -154,8 +161,7 @@ class SubstitutionKernel {
   Vec3i origin_;                           // grid position of the local frame
   std::optional<LocalVertical> vertical_;  // of a field of heights
   std::vector<Vec3f> position_;            // per point, local, exact integers
-  std::vector<std::uint8_t> flags_;
-  std::vector<std::uint32_t> star_begin_, star_size_;
+  std::vector<Point> points_;
   std::vector<TriangleId> arena_;
   std::vector<std::uint32_t> first_vertex_;           // per point
   std::vector<std::array<std::uint32_t, 3>> wedges_;  // per triangle, vertices; empty without wedges
@@ -166,7 +172,6 @@ class SubstitutionKernel {
   std::uint32_t live_triangles_ = 0;
 
   // Scratch of one substitution.
-  std::vector<std::uint32_t> stamp_;
   std::uint32_t current_stamp_ = 0;
   std::vector<PointId> ring_;
   std::vector<TriangleId> patch_, targets_;  // triangles that go or change; those that take their samples
