@@ -31,13 +31,7 @@ template <class Oracle, class Fairness, class Apply>
 class GreedySubstitution {
  public:
   GreedySubstitution(SubstitutionKernel& kernel, Oracle& oracle, Fairness& fairness, Apply& apply)
-      : kernel_(kernel),
-        oracle_(oracle),
-        fairness_(fairness),
-        apply_(apply),
-        key_(kernel.point_count(), parked),
-        best_(kernel.point_count(), none),
-        extra_(kernel.point_count(), 0.0f) {
+      : kernel_(kernel), oracle_(oracle), fairness_(fairness), apply_(apply), points_(kernel.point_count()) {
     heap_.reserve(kernel.point_count() + kernel.point_count() / 2);
   }
 
@@ -45,12 +39,12 @@ class GreedySubstitution {
   void queue_all() {
     heap_.clear();
     for (PointId u = 0; u < kernel_.point_count(); ++u) {
-      key_[u] = parked;
+      points_[u].key = parked;
       if (!kernel_.can_move(u) || kernel_.star(u).empty()) continue;
       evaluate(u);
       if (choices_.empty()) continue;
-      best_[u] = static_cast<PointId>(choices_.back());
-      key_[u] = cost_of(choices_.back());
+      points_[u].best = static_cast<PointId>(choices_.back());
+      points_[u].key = cost_of(choices_.back());
       heap_.push_back(entry(u));
     }
     std::make_heap(heap_.begin(), heap_.end(), std::greater<>());
@@ -78,9 +72,9 @@ class GreedySubstitution {
   static constexpr float parked = std::numeric_limits<float>::infinity();
 
   /// Costs are not negative: their bits are in order.
-  std::uint64_t entry(PointId u) const { return packed(key_[u], u); }
+  std::uint64_t entry(PointId u) const { return packed(points_[u].key, u); }
   void push(PointId u, float key) {
-    key_[u] = key;
+    points_[u].key = key;
     heap_.push_back(entry(u));
     std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
   }
@@ -116,7 +110,7 @@ class GreedySubstitution {
 
   /// The best legal target of u, or none: then u is queued again with its right key, or parked.
   PointId choose(PointId u) {
-    const PointId tried = best_[u];
+    const PointId tried = points_[u].best;
     if (is_coarse()) return choose_measured(u);
     if (tried != none && oracle_.legal(u, tried)) return tried;
     for (evaluate(u); !choices_.empty(); cheapest_last()) {
@@ -142,7 +136,7 @@ class GreedySubstitution {
       looked_at = v;
       if (!oracle_.legal(u, v)) continue;
       const std::uint64_t choice = packed(cost + apply_.surcharge(u, v), v);
-      if (choice < best) extra_[u] = cost_of(choice) - cost;
+      if (choice < best) points_[u].extra = cost_of(choice) - cost;
       best = std::min(best, choice);
     }
     const auto v = static_cast<PointId>(best);
@@ -153,15 +147,15 @@ class GreedySubstitution {
   }
 
   bool must_wait(PointId u, float cost) const {
-    return cost > key_[u] && !heap_.empty() && packed(cost, u) > heap_.front();
+    return cost > points_[u].key && !heap_.empty() && packed(cost, u) > heap_.front();
   }
   PointId wait(PointId u, PointId v, float cost) {
-    best_[u] = v;
+    points_[u].best = v;
     push(u, cost);
     return none;
   }
   PointId park(PointId u) {
-    key_[u] = parked;
+    points_[u].key = parked;
     return none;
   }
 
@@ -176,14 +170,14 @@ class GreedySubstitution {
 
   /// Something around q has changed. Its key stays if it can only have grown.
   void refresh(PointId q) {
-    best_[q] = none;
-    if (key_[q] == parked) {
+    points_[q].best = none;
+    if (points_[q].key == parked) {
       evaluate(q);
       if (!choices_.empty()) push(q, cost_of(choices_.back()));
     } else if (kernel_.live_triangles() < eager_triangles) {
       evaluate(q);
-      if (!choices_.empty() && cost_of(choices_.back()) + extra_[q] < key_[q])
-        push(q, cost_of(choices_.back()) + extra_[q]);
+      if (!choices_.empty() && cost_of(choices_.back()) + points_[q].extra < points_[q].key)
+        push(q, cost_of(choices_.back()) + points_[q].extra);
     }
   }
 
@@ -191,9 +185,12 @@ class GreedySubstitution {
   Oracle& oracle_;
   Fairness& fairness_;
   Apply& apply_;
-  std::vector<float> key_;     // per point, of its entry in the heap; parked if it has none
-  std::vector<PointId> best_;  // per point, its cheapest candidate, or none if that has to be found
-  std::vector<float> extra_;   // per point, the surcharge that it had last
+  struct Point {
+    float key = parked;   // of its entry in the heap; parked if it has none
+    PointId best = none;  // its cheapest candidate, or none if that has to be found
+    float extra = 0;      // the surcharge that it had last
+  };
+  std::vector<Point> points_;
   std::vector<std::uint64_t> heap_;
   std::vector<PointId> targets_;
   std::vector<float> costs_;
