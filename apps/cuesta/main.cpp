@@ -4,12 +4,15 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <string_view>
 
 #include "apps/cuesta/command_line.h"
+#include "apps/cuesta/huge_pages.h"
 #include "apps/cuesta/stop_signal.h"
 #include "ooc/result.h"
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "build") cuesta::app::use_huge_pages(argv);
   cuesta::app::catch_stop_signals();
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error of write(), with a message
   try {
