@@ -21,8 +21,8 @@ namespace cuesta {
 
 struct TerrainOptions {
   /// Grid step in metres; 0: what keeps heights to half of their own steps (to itself in a plane whose
-  /// postings lie on whole steps), for heights that are not in steps 1/256 of the spacing and at most 0.5 m,
-  /// as a power of 2, and what the extent allows.
+  /// postings lie on whole steps) and goes at least 8 times into the spacing, for heights that are not in
+  /// steps 1/256 of the spacing and at most 0.5 m, as a power of 2, and what the extent allows.
   double step_m = 0;
   std::uint32_t square_side = 384;  ///< of a chunk, postings: 9 cells of 2^15 triangles
   bool make_normals = true;

@@ -18,6 +18,9 @@ constexpr double most_steps = 15'700'000;
 /// The grid's origin is a multiple of so many steps, so that a surface that grows a little keeps its grid.
 constexpr double steps_of_origin = 1 << 20;
 constexpr double steps_per_spacing = 256;
+/// With fewer, triangles between neighbouring postings are hardly wider than what snapping makes of a line,
+/// and are not simplified (SubstitutionKernel); with two, none of a mountain was.
+constexpr double least_steps_per_spacing = 8;
 constexpr double largest_step_m = 0.5;
 
 /// A square's heights, and what was found there. Written to the journal as it is.
@@ -198,7 +201,19 @@ class TerrainSurvey {
       return fail(ErrorCode::invalid_input, "", "",
                   fmt::format("a grid step of {} m is too small for {} km; give at least {:.3g} m", step,
                               extent / 1000, extent / most_steps));
+    if (options_.step_m > 0 && step * least_steps_per_spacing > surface.figures_.spacing_m)
+      return fail(
+          ErrorCode::invalid_input, "", "",
+          fmt::format("a grid step of {} m is too coarse for postings {:.3g} m apart; give at most {:.3g} m",
+                      step, surface.figures_.spacing_m,
+                      surface.figures_.spacing_m / least_steps_per_spacing));
     while (extent / step > most_steps) step *= 2;
+    if (step * least_steps_per_spacing / 2 > surface.figures_.spacing_m)
+      return fail(
+          ErrorCode::invalid_input, "", "",
+          fmt::format("postings {:.3g} m apart are too near to each other for an extent of {:.3g} m, heights "
+                      "included; if they are in degrees, give --crs",
+                      surface.figures_.spacing_m, extent));
     const double unit = step * steps_of_origin;
     const auto down = [unit](double x) { return std::floor(x / unit) * unit; };
     return Grid{{down(box.lo.x), down(box.lo.y), down(box.lo.z)}, step};
@@ -236,7 +251,11 @@ class TerrainSurvey {
 
   double natural_step(const TerrainSurface& surface) const {
     const double quantum = mosaic_.vertical_quantum_m(), spacing = surface.figures().spacing_m;
-    if (quantum > 0 && quantum <= spacing) return is_on_steps(quantum, surface) ? quantum : quantum / 2;
+    if (quantum > 0 && quantum <= spacing) {
+      double step = is_on_steps(quantum, surface) ? quantum : quantum / 2;
+      while (step * least_steps_per_spacing > spacing) step /= 2;
+      return step;
+    }
     return std::exp2(std::floor(std::log2(std::min(spacing / steps_per_spacing, largest_step_m))));
   }
 

@@ -158,6 +158,20 @@ TEST(TerrainBuild, every_posting_is_within_the_bound_of_any_cut) {
   }
 }
 
+/// Whole metres, postings a metre apart: a grid of whole metres would be no finer than the lattice.
+TEST(TerrainBuild, steep_whole_heights_near_to_each_other_become_small) {
+  constexpr int side = 65;
+  std::vector<double> heights;
+  for (int i = 0; i < side * side; ++i)
+    heights.push_back(std::round(900 * std::sin(0.11 * (i % side)) * std::cos(0.07 * (i / side))));
+  const SmallTerrain terrain{
+      "steep", {{"a.i16", test::packed<std::int16_t>(heights)}}, Frame::projected(Crs::plane()).value(), {}};
+  const TemporaryFolder folder;
+  const auto built = try_build(terrain, folder, "steep.cuesta");
+  ASSERT_TRUE(built) << built.error().text();
+  EXPECT_GT(built->substitutions, side * side * 9 / 10);
+}
+
 TEST(TerrainBuild, files_verify) {
   for (const SmallTerrain& terrain : terrains()) {
     SCOPED_TRACE(terrain.name);

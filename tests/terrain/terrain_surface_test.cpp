@@ -264,6 +264,14 @@ TEST(TerrainSurface, what_makes_no_triangle_or_too_many_steps_is_refused) {
   const Error error = survey_error(wide, {.step_m = 0.001});
   EXPECT_EQ(error.code, ErrorCode::invalid_input);
   EXPECT_NE(error.message.find("at least 0.0127 m"), std::string::npos) << error.message;
+  const Error coarse = survey_error(wide, {.step_m = 20'000});
+  EXPECT_EQ(coarse.code, ErrorCode::invalid_input);
+  EXPECT_NE(coarse.message.find("at most 1.25e+04 m"), std::string::npos) << coarse.message;
+  const SmallTerrain degrees{
+      "degrees", {{"a.asc", test::grid(7, 46, 0.0008, 3, {0, 1, 2, 3, 4, 5, 6, 7, 8848})}}, plane, {}};
+  const Error near = survey_error(degrees, {});
+  EXPECT_EQ(near.code, ErrorCode::invalid_input);
+  EXPECT_NE(near.message.find("if they are in degrees, give --crs"), std::string::npos) << near.message;
 }
 
 /// What a survey wrote is taken, not read again: a second one with the files gone finds the same.
