@@ -120,12 +120,13 @@ void rate(const std::string& name, const char* path, const char* csv) {
               "two_threads_s,speed_up");
   for (const auto& [fairness, words] :
        {std::pair{TomFairness::memoryless, "memoryless"}, std::pair{TomFairness::quadric, "quadric"}}) {
+    const TomOptions options{.fairness = fairness};
     std::vector<double> one, one_wall, two;
     for (int i = 0; i < 7; ++i) {
       for (const int threads : {1, 2}) {
         tbb::task_arena arena(threads);
         const double start = processor_s(), start_wall = wall_s();
-        arena.execute([&] { tom_of(mesh, {.fairness = fairness}); });
+        arena.execute([&] { tom_of(mesh, options); });
         (threads == 1 ? one_wall : two).push_back(wall_s() - start_wall);
         if (threads == 1) one.push_back(processor_s() - start);
       }
