@@ -16,7 +16,9 @@ namespace cuesta {
 struct FrameWork {
   double objects = 0;
   double triangles = 0;
-  double pixels = 0;  ///< written, with what is overdrawn; a guess before it is drawn
+  double fragments =
+      0;  ///< rasterised, hidden or not, beyond 16 of each triangle; a guess before they are drawn
+  double pixels = 0;  ///< written, with what is overdrawn; a guess before they are drawn
   double changed_triangles =
       0;  ///< whose indices, and vertices that, are made and uploaded anew for this frame
 };
@@ -24,15 +26,16 @@ struct FrameWork {
 struct MeasuredFrame {
   FrameWork work;
   double ms = 0;
+  FrameWork guess = work;  ///< the work as it was known before it was drawn
 };
 
-/// frame_ms = costs · (1, objects, triangles, pixels, changed triangles), no cost negative.
+/// frame_ms = costs · (1, objects, triangles, fragments, pixels, changed triangles), no cost negative.
 /// Least squares of the relative deviation in which a frame counts 0.98 times what the next one does. A
 /// deviation beyond 3 robust standard deviations counts as one of 3. What frames do not tell apart, as where
 /// all have the same pixels, stays near the calibration.
 class CostModel {
  public:
-  static constexpr std::size_t terms = 5;
+  static constexpr std::size_t terms = 6;
   using Costs = std::array<double, terms>;  ///< ms: of a frame, and of one of each of FrameWork
 
   /// @param measured  frames of different content, the more the better; ms > 0, work finite and ≥ 0.
@@ -42,12 +45,14 @@ class CostModel {
   const Costs& costs() const { return costs_; }
   double object_ms() const { return costs_[1]; }
   double triangle_ms() const { return costs_[2]; }
-  double pixel_ms() const { return costs_[3]; }
-  double changed_triangle_ms() const { return costs_[4]; }
+  double fragment_ms() const { return costs_[3]; }
+  double pixel_ms() const { return costs_[4]; }
+  double changed_triangle_ms() const { return costs_[5]; }
   /// Half of all frames take less, about.
   double predict_ms(const FrameWork& work) const;
-  /// Measured over predicted time: what a share `quantile` of the last 256 frames, calibration included,
-  /// stays below. Where they are too few to tell, the largest and a fifth more. Within [1, most_ratio].
+  /// Measured over predicted time: what a share `quantile` of the last 48 frames, calibration included,
+  /// stays below. Where they are too few to tell, as for 99 %, the largest and a quarter more. Within [1,
+  /// most_ratio].
   double ratio(double quantile) const;
   /// Beyond it is not the model's uncertainty but a machine that does something else.
   static constexpr double most_ratio = 2;

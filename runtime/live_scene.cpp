@@ -8,6 +8,10 @@
 namespace cuesta {
 namespace {
 
+/// That come with a triangle, however small: Mesa's block of 4 × 4. They count as part of its own cost, so
+/// that what a part fills of its bounds depends less on its resolution.
+constexpr double fragments_of_a_triangle = 16;
+
 std::unique_ptr<ResolutionPolicy> make_policy(const SceneSettings& s, const CostModel& costs) {
   if (s.policy == PolicyKind::stress) return stress_policy(s.stress);
   if (s.policy == PolicyKind::fixed) return fixed_policy(s.fixed_full_coverage);
@@ -38,6 +42,16 @@ double triangles_for_error(const ScenePartEntry& part, double allowed) {
            std::pow(double(s[i].triangles) / std::max(1.0, double(s[i - 1].triangles)), t);
   }
   return double(part.triangles);
+}
+
+std::uint64_t triangles_of(const DrawnGroup& g) {
+  return std::uint64_t{g.count} * g.indices->triangles.size();
+}
+
+std::uint64_t triangles_of(const DrawnSurface& s) {
+  std::uint64_t triangles = 0;
+  for (const Range& range : s.list.draws) triangles += range.count / 3;
+  return triangles;
 }
 
 /// The same view as seen from within an instance.
@@ -110,13 +124,16 @@ double LiveScene::coarsest_triangles(std::uint32_t part) {
   return coarsest_[part];
 }
 
-void LiveScene::add_visible(std::uint32_t instance, const ViewCone::Footprint& footprint, double nearest,
-                            const View& view, const SceneFrameOptions& options) {
+void LiveScene::add_visible(std::uint32_t instance, const ViewCone::Footprint& footprint, const View& view,
+                            const SceneFrameOptions& options) {
   const SceneInstance& in = instances_[instance];
+  const Ball& ball = balls_[instance];
+  const double from_centre = length(ball.centre - view.eye);
   const ScenePartEntry& part = directory_.parts[in.part];
   double full = double(part.triangles), least = 0;
   if (part.is_tom()) {
     const double scale = mean_scale(pose_.world(in.node));
+    const double nearest = std::max(from_centre - ball.radius, 0.0);
     full = triangles_for_error(part,
                                options.tau_px * nearest / view.pixels_per_unit() / std::max(scale, 1e-300));
     least = coarsest_triangles(in.part);
@@ -125,28 +142,29 @@ void LiveScene::add_visible(std::uint32_t instance, const ViewCone::Footprint& f
     full = std::min(full, 2 * footprint.coverage * picture_px_ / (options.tau_px * options.tau_px));
   }
   visible_.push_back(instance);
+  distance_radii_.push_back(static_cast<float>(from_centre / ball.radius));
   coverage_.push_back(static_cast<float>(footprint.coverage));
   focus_.push_back(focus_at(footprint.from_centre));
   weights_.push_back(weight_[in.node]);
   triangles_.push_back(static_cast<float>(std::max(full, 1.0)));
   r_min_.push_back(static_cast<float>(std::clamp(least / std::max(full, 1.0), 0.0, 1.0)));
-  fill_.push_back(static_cast<float>(footprint.coverage * picture_px_ * part_fill_.share(in.part)));
-  pixels_ += double(fill_.back());
+  fragments_.push_back(static_cast<float>(footprint.coverage * picture_px_ * part_fill_.share(in.part)));
+  all_fragments_ += double(fragments_.back());
 }
 
 void LiveScene::find_visible(const View& view, const SceneFrameOptions& options) {
-  for (auto* v : {&coverage_, &focus_, &weights_, &triangles_, &r_min_, &fill_}) v->clear();
+  for (auto* v : {&distance_radii_, &coverage_, &focus_, &weights_, &triangles_, &r_min_, &fragments_})
+    v->clear();
   visible_.clear();
   picture_px_ = double(view.width_px) * double(view.height_px);
-  pixels_ = 0;
+  all_fragments_ = 0;
   const ViewCone cone(view);
   for (std::uint32_t i = 0; i < instances_.size(); ++i) {
     const Ball& ball = balls_[i];
     if (!(ball.radius > 0) || !cone.may_see(ball)) continue;
     const ViewCone::Footprint footprint = cone.footprint(ball);
     if (footprint.diameter_px < options.least_px) continue;
-    const double nearest = std::max(length(ball.centre - view.eye) - ball.radius, 0.0);
-    add_visible(i, footprint, nearest, view, options);
+    add_visible(i, footprint, view, options);
   }
 }
 
@@ -159,8 +177,8 @@ void LiveScene::choose(const SceneFrameOptions& options, SceneFrameReport& repor
     report.outcome = ResolutionOutcome::heuristic;
   } else {
     const FrameTask task{std::max(options.deadline_ms - expected_choice_ms_, 0.0),
-                         {double(visible_.size()), 0, pixels_, reserved_changes_}};
-    report.outcome = policy_->choose({coverage_, focus_, weights_, triangles_, r_min_, fill_}, task, r_,
+                         {double(visible_.size()), 0, all_fragments_, pixels_, reserved_changes_}};
+    report.outcome = policy_->choose({coverage_, focus_, weights_, triangles_, r_min_, fragments_}, task, r_,
                                      [&] { return clock_() - start > options.most_choice_ms; });
   }
   report.optimisation_ms = clock_() - start;
@@ -216,37 +234,40 @@ void LiveScene::choose_blocks() {
     const double wanted = rung_triangles(std::clamp(double(r_[k]) * double(triangles_[k]), 1.0, all), all);
     const Resolution n = resolution_of_triangles(*tom, static_cast<std::uint32_t>(std::min(wanted, 4e9)));
     const double left = std::max(0.0, reserved_changes_ - double(new_vertices_));
-    choices_.push_back({visible_[k], bounds_px(k),
+    choices_.push_back({visible_[k], bounds_px(k), distance_radii_[k],
                         indices_.get(in.part, *tom, n, static_cast<std::uint64_t>(left)),
                         determinant(pose_.world(in.node)) < 0});
   }
 }
 
 void LiveScene::group_toms() {
-  drawn_.clear(), groups_.clear(), group_bounds_.clear();
+  drawn_.clear(), groups_.clear();
   std::sort(choices_.begin(), choices_.end(), [](const Choice& a, const Choice& b) {
-    return a.block->id != b.block->id ? a.block->id < b.block->id
-           : a.mirrored != b.mirrored ? b.mirrored
-                                      : a.instance < b.instance;
+    return a.block->id != b.block->id             ? a.block->id < b.block->id
+           : a.mirrored != b.mirrored             ? b.mirrored
+           : a.distance_radii != b.distance_radii ? a.distance_radii < b.distance_radii
+                                                  : a.instance < b.instance;
   });
   for (const Choice& c : choices_) {
     const SceneInstance& in = instances_[c.instance];
     if (groups_.empty() || groups_.back().indices != c.block || groups_.back().mirrored != c.mirrored) {
-      groups_.push_back(
-          {in.part, shown_[in.part].tom, c.block, static_cast<std::uint32_t>(drawn_.size()), 0, c.mirrored});
-      group_bounds_.push_back(0);
+      groups_.push_back({in.part, shown_[in.part].tom, c.block, static_cast<std::uint32_t>(drawn_.size()), 0,
+                         c.mirrored, c.distance_radii});
     }
     ++groups_.back().count;
-    group_bounds_.back() += c.bounds_px;
+    groups_.back().bounds_px += c.bounds_px;
     const bool own_colours = directory_.parts[in.part].attributes.colours;
     const Rgba8 colour =
         own_colours ? Rgba8{255, 255, 255, 255} : directory_.scene.materials[in.material].base_colour;
     drawn_.push_back({pose_.world(in.node), colour, c.instance});
   }
+  std::sort(groups_.begin(), groups_.end(), [](const DrawnGroup& a, const DrawnGroup& b) {
+    return a.distance_radii != b.distance_radii ? a.distance_radii < b.distance_radii : a.first < b.first;
+  });
 }
 
 void LiveScene::adapt_surfaces(const View& view, const SceneFrameOptions& options, SceneFrameReport& report) {
-  surfaces_.clear(), surface_bounds_.clear();
+  surfaces_.clear();
   surfaces_settled_ = true;
   double left_ms = options.change_share * options.deadline_ms;  // of all of them
   for (std::size_t k = 0; k < visible_.size(); ++k) {
@@ -263,14 +284,14 @@ void LiveScene::adapt_surfaces(const View& view, const SceneFrameOptions& option
     const auto scale = ErrorScale::perspective(cut->directory().grid, within, 4);
     const AdaptReport adapted = cut->adapt(scale, options.tau_px, budgets);
     left_ms = std::max(left_ms - adapted.adapt_ms, 0.0);
-    surface_bounds_.push_back(bounds_px(k));
     report.surface_bytes += adapted.resident_bytes;
     report.store.missing += adapted.pages_missing;
     surfaces_settled_ = surfaces_settled_ && adapted.settled;
     surfaces_.push_back({cut->draw_list(scale),
                          {world, directory_.scene.materials[in.material].base_colour, visible_[k]},
                          within.eye,
-                         determinant(world) < 0});
+                         determinant(world) < 0,
+                         bounds_px(k)});
   }
 }
 
@@ -279,15 +300,13 @@ void LiveScene::count_work(SceneFrameReport& report) {
   for (const std::uint32_t i : visible_)
     report.visible_triangles += directory_.parts[instances_[i].part].triangles;
   report.drawn_objects = static_cast<std::uint32_t>(drawn_.size() + surfaces_.size());
-  for (const DrawnGroup& g : groups_)
-    report.drawn_triangles += std::uint64_t{g.count} * g.indices->triangles.size();
-  for (const DrawnSurface& s : surfaces_)
-    for (const Range& range : s.list.draws) report.drawn_triangles += range.count / 3;
+  for (const DrawnGroup& g : groups_) report.drawn_triangles += triangles_of(g);
+  for (const DrawnSurface& s : surfaces_) report.drawn_triangles += triangles_of(s);
   report.changed_triangles = indices_.extracted_triangles() + new_vertices_;
-  double pixels = 0;
+  double fragments = 0;
   for (std::size_t k = 0; k < visible_.size(); ++k)
-    if (r_[k] > 0) pixels += double(fill_[k]);
-  work_ = {double(report.drawn_objects), double(report.drawn_triangles), pixels,
+    if (r_[k] > 0) fragments += double(fragments_[k]);
+  work_ = {double(report.drawn_objects), double(report.drawn_triangles), fragments, pixels_,
            double(report.changed_triangles)};
   guess_ = work_;
   const double wished = double(report.changed_triangles + indices_.denied_triangles() + denied_vertices_);
@@ -328,18 +347,22 @@ void LiveScene::take_choice_time(double ms) {
   expected_choice_ms_ += (ms > expected_choice_ms_ ? rise : fall) * (ms - expected_choice_ms_);
 }
 
-void LiveScene::drew(std::span<const float> pixels) {
-  CUESTA_CHECK(pixels.size() == groups_.size() + surfaces_.size(), pixels.size(), groups_.size());
-  double all = 0;
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const bool is_group = i < groups_.size();
-    const std::size_t s = i - groups_.size();
-    part_fill_.add(is_group ? groups_[i].part : instances_[surfaces_[s].as.instance].part, double(pixels[i]),
-                   is_group ? group_bounds_[i] : surface_bounds_[s]);
-    all += double(pixels[i]);
-  }
+void LiveScene::drew(std::span<const CallFill> fill) {
+  CUESTA_CHECK(fill.size() == groups_.size() + surfaces_.size(), fill.size(), groups_.size());
+  work_.fragments = work_.pixels = 0;
+  const auto add = [this](std::uint32_t part, const CallFill& f, std::uint64_t triangles, double bounds_px) {
+    const double fragments =
+        std::max(double(f.fragments) - fragments_of_a_triangle * double(triangles), double(f.pixels));
+    part_fill_.add(part, fragments, bounds_px);
+    work_.fragments += fragments, work_.pixels += double(f.pixels);
+  };
+  for (std::size_t i = 0; i < groups_.size(); ++i)
+    add(groups_[i].part, fill[i], triangles_of(groups_[i]), groups_[i].bounds_px);
+  for (std::size_t i = 0; i < surfaces_.size(); ++i)
+    add(instances_[surfaces_[i].as.instance].part, fill[groups_.size() + i], triangles_of(surfaces_[i]),
+        surfaces_[i].bounds_px);
   part_fill_.learn();
-  work_.pixels = all;
+  pixels_ = work_.pixels;
 }
 
 void LiveScene::set_policy(PolicyKind policy) {

@@ -91,6 +91,8 @@ struct DrawnGroup {
   std::shared_ptr<const IndexBlock> indices;
   std::uint32_t first = 0, count = 0;  ///< of SceneDrawList::instances
   bool mirrored = false;               ///< clockwise triangles are front faces
+  float distance_radii = 0;  ///< of the instance that looks largest: from the eye to its ball's centre
+  double bounds_px = 0;      ///< pixels of the instances' bounds, together
 };
 
 struct DrawnSurface {
@@ -98,13 +100,21 @@ struct DrawnSurface {
   DrawnInstance as;
   Vec3d eye;  ///< in the part's frame
   bool mirrored = false;
+  double bounds_px = 0;
 };
 
+/// What looks largest comes first, groups as well as instances within a group: what it hides is not written.
 /// Valid until the next frame.
 struct SceneDrawList {
   std::span<const DrawnInstance> instances;
   std::span<const DrawnGroup> groups;
   std::span<const DrawnSurface> surfaces;
+};
+
+/// What a drawing call has filled.
+struct CallFill {
+  float fragments = 0;  ///< of its triangles, hidden ones included
+  float pixels = 0;     ///< that it has written
 };
 
 class LiveScene {
@@ -128,9 +138,9 @@ class LiveScene {
   /// where not even the coarsest of all fit the deadline, those of least interest (outcome infeasible).
   SceneFrameReport frame(const View& view, const SceneFrameOptions& options);
   SceneDrawList list() const { return {drawn_, groups_, surfaces_}; }
-  /// The pixels that the last frame has written, a number for each group of list(), then for each surface:
-  /// later frames are predicted from these. Without it all bounds count as full.
-  void drew(std::span<const float> pixels);
+  /// What the last frame has filled, one for each group of list(), then for each surface: later frames are
+  /// predicted from these. Without it all bounds count as full.
+  void drew(std::span<const CallFill> fill);
   /// The frame that was chosen last took so long, choice and drawing: cost model (of drawing) and policy
   /// learn from it.
   void measured(double ms);
@@ -139,6 +149,8 @@ class LiveScene {
   const CostModel& costs() const { return costs_; }
   /// What the last frame draws, for calibrate(), which is about drawing alone.
   const FrameWork& work() const { return work_; }
+  /// The same as it was known before drew().
+  const FrameWork& guess() const { return guess_; }
 
   /// Frames until nothing is missing or `most` are done, waiting for what loads; the last one's report.
   SceneFrameReport settle(const View& view, const SceneFrameOptions& options, int most = 1000);
@@ -159,8 +171,8 @@ class LiveScene {
   Result<void> open_surfaces(const SceneSources& sources, const SceneSettings& settings);
   void move_instances();
   void find_visible(const View& view, const SceneFrameOptions& options);
-  void add_visible(std::uint32_t instance, const ViewCone::Footprint& footprint, double nearest,
-                   const View& view, const SceneFrameOptions& options);
+  void add_visible(std::uint32_t instance, const ViewCone::Footprint& footprint, const View& view,
+                   const SceneFrameOptions& options);
   double coarsest_triangles(std::uint32_t part);
   void reserve_changes(const SceneFrameOptions& options);
   void choose(const SceneFrameOptions& options, SceneFrameReport& report);
@@ -191,10 +203,10 @@ class LiveScene {
 
   // Of the frame. Visible objects in structure of arrays, as policies take them.
   std::vector<std::uint32_t> visible_;  // instances
-  std::vector<float> coverage_, focus_, weights_, triangles_, r_min_, fill_, r_;
+  std::vector<float> distance_radii_, coverage_, focus_, weights_, triangles_, r_min_, fragments_, r_;
   double picture_px_ = 0;
-  double pixels_ = 0;                                  // Σ fill_
-  std::vector<double> group_bounds_, surface_bounds_;  // pixels of the drawn objects' bounds
+  double all_fragments_ = 0;  // Σ fragments_
+  double pixels_ = 0;         // that the last frame has written
   PartFill part_fill_;
   double choice_ms_ = 0, expected_choice_ms_ = 0;  // of the last frame; of the next, quick to rise
   double wished_changes_ = 0;    // running mean: made, and denied for they would have been too many
@@ -210,6 +222,7 @@ class LiveScene {
   struct Choice {
     std::uint32_t instance = 0;
     double bounds_px = 0;
+    float distance_radii = 0;
     std::shared_ptr<const IndexBlock> block;
     bool mirrored = false;
   };
@@ -218,7 +231,7 @@ class LiveScene {
   std::vector<DrawnGroup> groups_;
   std::vector<DrawnSurface> surfaces_;
   bool surfaces_settled_ = true;
-  FrameWork guess_, work_;  // before it is drawn, and with the pixels that were written then
+  FrameWork guess_, work_;  // before it is drawn, and with what was filled then
 };
 
 }  // namespace cuesta

@@ -15,23 +15,23 @@ double PartFill::share(std::uint32_t part) const {
   return share_of_all_ >= 0 ? share_of_all_ : 1;
 }
 
-void PartFill::add(std::uint32_t part, double pixels, double bounds) {
+void PartFill::add(std::uint32_t part, double fragments, double bounds_px) {
   Part& p = parts_[part];
-  if (!(p.bounds > 0)) seen_.push_back(part);
-  p.pixels += static_cast<float>(pixels), p.bounds += static_cast<float>(bounds);
+  if (!(p.bounds_px > 0)) seen_.push_back(part);
+  p.fragments += static_cast<float>(fragments), p.bounds_px += static_cast<float>(bounds_px);
 }
 
 void PartFill::learn() {
-  double pixels = 0, bounds = 0;
+  double fragments = 0, bounds_px = 0;
   for (const std::uint32_t part : seen_) {
     Part& p = parts_[part];
-    if (!(p.bounds > 0)) continue;
-    pixels += double(p.pixels), bounds += double(p.bounds);
-    blend(p.share, double(p.pixels) / double(p.bounds));
-    p.pixels = p.bounds = 0;
+    if (!(p.bounds_px > 0)) continue;
+    fragments += double(p.fragments), bounds_px += double(p.bounds_px);
+    blend(p.share, double(p.fragments) / double(p.bounds_px));
+    p.fragments = p.bounds_px = 0;
   }
   seen_.clear();
-  if (bounds > 0) blend(share_of_all_, pixels / bounds);
+  if (bounds_px > 0) blend(share_of_all_, fragments / bounds_px);
 }
 
 }  // namespace cuesta

@@ -1,7 +1,7 @@
 #pragma once
-/// How much of its bounds' square a part fills in pictures: learned from what it has filled.
-/// A part is mostly filled alike from one frame to the next, while bounds alone say too much: of a rod, of
-/// what hides behind others, and above all of what is all around the eye.
+/// How much of its bounds' square a part fills in pictures, hidden or not: learned from what it has filled.
+/// A part is mostly filled alike from one frame to the next, while bounds alone say too much of a rod, too
+/// little of what has many layers, and nothing of what is all around the eye.
 
 #include <cstdint>
 #include <vector>
@@ -13,18 +13,18 @@ class PartFill {
  public:
   explicit PartFill(std::size_t parts) : parts_(parts) {}
 
-  /// Pixels written over pixels of bounds, as was measured of late: of the part, or, before it was ever seen,
+  /// Fragments over pixels of bounds, as was measured of late: of the part, or, before it was ever seen,
   /// of all. 1 before anything was.
   double share(std::uint32_t part) const;
-  /// In one frame: what instances of a part have filled together, and their bounds.   @param bounds > 0
-  void add(std::uint32_t part, double pixels, double bounds);
+  /// In one frame: what instances of a part have filled together, and their bounds.   @param bounds_px > 0
+  void add(std::uint32_t part, double fragments, double bounds_px);
   /// Ends the frame: what was added counts half, what was known before the other half.
   void learn();
 
  private:
   struct Part {
-    float share = -1;              // not known
-    float pixels = 0, bounds = 0;  // of this frame
+    float share = -1;                    // not known
+    float fragments = 0, bounds_px = 0;  // of this frame
   };
   std::vector<Part> parts_;
   std::vector<std::uint32_t> seen_;  // in this frame

@@ -40,7 +40,7 @@ class PredictivePolicy final : public ResolutionPolicy {
     std::iota(order_.begin(), order_.end(), 0u);
     const auto drawing_ms = [&](std::size_t i) {
       return costs_.object_ms() +
-             (objects.pixels.empty() ? 0 : costs_.pixel_ms() * double(objects.pixels[i]));
+             (objects.fragments.empty() ? 0 : costs_.fragment_ms() * double(objects.fragments[i]));
     };
     double left = budget;
     for (std::size_t i = 0; i < r.size(); ++i) left += drawing_ms(i);

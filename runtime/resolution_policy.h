@@ -19,15 +19,16 @@
 
 namespace cuesta {
 
-/// A frame's potentially visible objects: one element per object in each span, lengths equal (or 0: pixels).
+/// A frame's potentially visible objects: one element per object in each span, lengths equal (or 0:
+/// fragments).
 struct VisibleObjects {
   std::span<const float> coverage;   ///< share of the picture that the object's bounds cover, within [0, 1]
   std::span<const float> focus;      ///< within [0, 1]: 1 where the user looks, see focus_at()
   std::span<const float> weight;     ///< the user's, ≥ 0; 1 for most
   std::span<const float> triangles;  ///< at r = 1
   std::span<const float> r_min;      ///< within [0, 1], of what is always drawn
-  std::span<const float> pixels =
-      {};  ///< that it is likely to fill, part of FrameTask::fixed; empty: not known
+  std::span<const float> fragments =
+      {};  ///< that it is likely to have, part of FrameTask::fixed; empty: not known
 
   std::size_t size() const { return coverage.size(); }
 };

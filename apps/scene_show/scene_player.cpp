@@ -57,8 +57,8 @@ Result<void> ScenePlayer::calibrate(std::span<const View> views, const SceneFram
         const double choice_ms = scene_->frame(view, at).choice_ms;
         if (auto ok = draw(view); !ok) return ok;
         last_ms = clock_() - start;
-        scene_->drew(renderer_->pixels());
-        measured.push_back({scene_->work(), last_ms - choice_ms});
+        scene_->drew(renderer_->fill());
+        measured.push_back({scene_->work(), last_ms - choice_ms, scene_->guess()});
       }
     }
   }
@@ -74,7 +74,7 @@ Result<PlayedFrame> ScenePlayer::play(const View& view, const SceneFrameOptions&
   if (auto ok = draw(view); !ok) return fail(ok.error());
   frame.actual_ms = clock_() - start;
   if (!renderer_) return frame;
-  scene_->drew(renderer_->pixels());
+  scene_->drew(renderer_->fill());
   scene_->measured(frame.actual_ms);
   return frame;
 }

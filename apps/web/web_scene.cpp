@@ -24,7 +24,8 @@ std::vector<MeasuredFrame> triangles_alone() {
   std::vector<MeasuredFrame> frames;
   for (std::uint32_t i = 0; i < 32; ++i) {
     const auto pick = [i](std::uint32_t bit, double few, double many) { return i >> bit & 1 ? many : few; };
-    const FrameWork work{pick(0, 10, 1000), pick(1, 1e4, 1e6), pick(2, 1e5, 1e7), pick(3, 0, 1e5)};
+    const FrameWork work{pick(0, 10, 1000), pick(1, 1e4, 1e6), pick(2, 1e5, 1e8), pick(3, 1e5, 1e7),
+                         pick(4, 0, 1e5)};
     frames.push_back({work, work.triangles * triangle_ms});
   }
   return frames;

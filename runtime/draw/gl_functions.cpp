@@ -11,15 +11,16 @@ bool load(const GlContext& context, const char* name, Function& function) {
   return function != nullptr;
 }
 
-bool has_clip_control(const GlFunctions& gl) {
+/// @param version  of OpenGL that has it: 45 is 4.5
+bool has(const GlFunctions& gl, int version, std::string_view extension) {
   GLint major = 0, minor = 0, count = 0;
   gl.GetIntegerv(GL_MAJOR_VERSION, &major);
   gl.GetIntegerv(GL_MINOR_VERSION, &minor);
-  if (major * 10 + minor >= 45) return true;
+  if (major * 10 + minor >= version) return true;
   gl.GetIntegerv(GL_NUM_EXTENSIONS, &count);
   for (GLint i = 0; i < count; ++i) {
     const GLubyte* name = gl.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i));
-    if (name && std::string_view(reinterpret_cast<const char*>(name)) == "GL_ARB_clip_control") return true;
+    if (name && std::string_view(reinterpret_cast<const char*>(name)) == extension) return true;
   }
   return false;
 }
@@ -50,7 +51,8 @@ Result<GlFunctions> load_gl_functions(const GlContext& context) {
     return fail(ErrorCode::io, "", "", "OpenGL 3.3 is needed, but the driver has no gl" #name);
   CUESTA_GL_FUNCTIONS(CUESTA_GL_LOAD)
 #undef CUESTA_GL_LOAD
-  if (has_clip_control(gl)) load(context, "glClipControl", gl.ClipControl);
+  if (has(gl, 45, "GL_ARB_clip_control")) load(context, "glClipControl", gl.ClipControl);
+  gl.counts_fragments = has(gl, 46, "GL_ARB_pipeline_statistics_query");
   return gl;
 }
 

@@ -95,6 +95,7 @@ struct GlFunctions {
   CUESTA_GL_FUNCTIONS(CUESTA_GL_MEMBER)
 #undef CUESTA_GL_MEMBER
   PFNGLCLIPCONTROLPROC ClipControl = nullptr;  ///< OpenGL 4.5 or GL_ARB_clip_control; null without it
+  bool counts_fragments = false;               ///< OpenGL 4.6 or GL_ARB_pipeline_statistics_query
 };
 
 /// @error io, naming the first entry point that the driver lacks.

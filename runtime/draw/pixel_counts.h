@@ -1,11 +1,12 @@
 #pragma once
-/// How many pixels each of a picture's drawing calls has written: what filling costs, known afterwards.
+/// What each of a picture's drawing calls has filled, known afterwards.
 
 #include <cstddef>
 #include <span>
 #include <vector>
 
 #include "runtime/draw/gl_functions.h"
+#include "runtime/live_scene.h"
 
 namespace cuesta {
 
@@ -21,17 +22,22 @@ class PixelCounts {
   void begin_picture(int samples);
   /// Around a call: the next of this picture.
   void begin();
-  void end() const { gl_.EndQuery(GL_SAMPLES_PASSED); }
-  /// One for each call of the picture, in their order: pixels that passed the depth test, those that later
-  /// calls hid again included.   @cost waits until the picture is finished
-  std::span<const float> read();
+  void end() const;
+  /// One for each call of the picture, in their order. Pixels passed the depth test, those that later calls
+  /// hid again included; fragments are those that the driver has shaded (Mesa: in blocks of 4 × 4, hidden or
+  /// not), or, where it does not tell, as many as pixels.   @cost waits until the picture is finished
+  std::span<const CallFill> read();
 
  private:
+  struct Queries {
+    GLuint pixels = 0, fragments = 0;
+  };
+
   const GlFunctions& gl_;
-  std::vector<GLuint> queries_;
+  std::vector<Queries> queries_;
   std::size_t used_ = 0;
   float samples_ = 1;
-  std::vector<float> pixels_;
+  std::vector<CallFill> fill_;
 };
 
 }  // namespace cuesta

@@ -111,8 +111,8 @@ class GlSceneRenderer final : public SceneRenderer {
   void finish() override {
     if (context_->make_current()) gl_.Finish();
   }
-  std::span<const float> pixels() override {
-    return context_->make_current() ? counts_.read() : std::span<const float>();
+  std::span<const CallFill> fill() override {
+    return context_->make_current() ? counts_.read() : std::span<const CallFill>();
   }
   UploadReport uploads() const override { return uploads_; }
   const std::string& driver() const override { return driver_; }
@@ -187,10 +187,10 @@ const GlProgram& GlSceneRenderer::use_program(const View& view, double nearest, 
 
 void GlSceneRenderer::upload_instances(const SceneDrawList& list, const View& view) {
   const auto frame = view.frame();
-  rows_.clear();
+  rows_.resize(list.instances.size());
   for (const DrawnGroup& group : list.groups)
-    for (const DrawnInstance& instance : list.instances.subspan(group.first, group.count))
-      rows_.push_back(row_of(instance, grid_of(*group.tom), {}, view, frame));
+    for (std::uint32_t i = group.first; i < group.first + group.count; ++i)
+      rows_[i] = row_of(list.instances[i], grid_of(*group.tom), {}, view, frame);
   gl_.BindBuffer(GL_ARRAY_BUFFER, instance_buffer_);
   const std::size_t bytes = rows_.size() * sizeof(InstanceRow);
   gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(bytes), rows_.data(), GL_STREAM_DRAW);

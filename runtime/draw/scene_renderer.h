@@ -35,9 +35,9 @@ class SceneRenderer {
   virtual Result<void> show(int width_px, int height_px, std::span<const TextBlock> text, int text_scale) = 0;
   /// Returns when the picture last drawn is finished; what a measured time must include.
   virtual void finish() = 0;
-  /// Pixels that the picture last drawn has written, with what was overdrawn: one number for each group of
-  /// its list, then one for each surface. For LiveScene::drew(). Waits as finish() does.
-  virtual std::span<const float> pixels() = 0;
+  /// What the picture last drawn has filled: one for each group of its list, then one for each surface. For
+  /// LiveScene::drew(). Waits as finish() does.
+  virtual std::span<const CallFill> fill() = 0;
   virtual UploadReport uploads() const = 0;
   virtual const std::string& driver() const = 0;
 };

@@ -64,7 +64,7 @@ class LargeParts : public testing::Test {
     // A machine on which a triangle takes a microsecond, and nothing else any time to speak of.
     std::vector<MeasuredFrame> measured;
     for (int i = 1; i <= 40; ++i) {
-      const FrameWork work{double(1 + i % 6), 1000.0 * i, 100.0 * (i % 7), 50.0 * (i % 5)};
+      const FrameWork work{double(1 + i % 6), 1000.0 * i, 1000.0 * (i % 3), 100.0 * (i % 7), 50.0 * (i % 5)};
       measured.push_back({work, 1e-3 * work.triangles + 1e-4});
     }
     live_->calibrate(measured);

