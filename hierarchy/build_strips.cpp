@@ -90,7 +90,7 @@ class StripMeshBuilder {
     for (Triangle& t : triangles_)
       for (std::uint32_t& v : t)
         while (v >= resolution) v = mesh_.substitute_[v];
-    std::erase_if(triangles_, [](const Triangle& t) { return is_degenerate(t.data()); });
+    std::erase_if(triangles_, [](const Triangle& t) { return is_degenerate(t); });
   }
 
   /// Strips that last longest come first.

@@ -18,11 +18,6 @@ inline bool repeats(const std::uint32_t* e) {
   return e[0] == e[2] && e[1] == e[3];
 }
 
-/// Whether e[0], e[1], e[2] is no triangle.
-inline bool is_degenerate(const std::uint32_t* e) {
-  return e[0] == e[1] || e[1] == e[2] || e[0] == e[2];
-}
-
 /// How many entries can go at the front: all, where no triangle is left.
 inline std::uint32_t spare_head(std::span<const std::uint32_t> strip) {
   std::size_t i = 0;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "hierarchy/strip_reduction.h"
+#include "ooc/triangle_order.h"
 
 namespace cuesta {
 

@@ -46,7 +46,7 @@ bool triangles_rise(const Tom& tom) {
   for (const Triangle& t : tom.triangles) {
     for (std::uint32_t c : t)
       if (c >= tom.full()) return false;
-    if (degenerate(t)) return false;
+    if (is_degenerate(t)) return false;
     const Resolution r = triangle_resolution(tom.substitute, tom.base_vertices, t);
     if (r < last) return false;
     last = r;
@@ -73,7 +73,7 @@ Resolution triangle_resolution(std::span<const std::uint32_t> substitute, Resolu
     if (last < base_vertices) return base_vertices;
     const std::uint32_t removed = last;
     last = substitute[last];
-    if (degenerate(t)) return removed + 1;
+    if (is_degenerate(t)) return removed + 1;
   }
 }
 

@@ -50,11 +50,6 @@ struct Tom {
   Resolution full() const { return static_cast<Resolution>(positions.size()); }
 };
 
-/// Whether the corners are not three.
-inline bool degenerate(const Triangle& t) {
-  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
-}
-
 /// The triangle's corners at resolution n: each corner's first active ancestor.
 /// @pre base_vertices ≤ n ≤ full()
 inline Triangle active_corners(const Tom& tom, Triangle t, Resolution n) {

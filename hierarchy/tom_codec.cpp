@@ -500,7 +500,7 @@ class SegmentDecoder {
   }
 
   bool add(NumberReader& corners, const Children& children, Triangle t, Resolution at) {
-    if (degenerate(t)) return false;
+    if (is_degenerate(t)) return false;
     if (!refine(corners, children, t, at)) return false;
     tom_.triangles.push_back(t);
     return true;

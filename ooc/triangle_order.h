@@ -28,6 +28,14 @@ inline std::uint32_t start_of(std::span<const Triangle> triangles, std::uint32_t
   return triangles[h / 3][h % 3];
 }
 
+/// Whether three corners, of a triangle or next to each other in a strip, are fewer vertices.
+constexpr bool is_degenerate(const std::uint32_t* corners) {
+  return corners[0] == corners[1] || corners[1] == corners[2] || corners[0] == corners[2];
+}
+constexpr bool is_degenerate(const Triangle& t) {
+  return is_degenerate(t.data());
+}
+
 /// The same winding, smallest index first.
 constexpr Triangle smallest_first(Triangle t) {
   if (t[1] < t[0] && t[1] < t[2]) return {t[1], t[2], t[0]};

@@ -29,7 +29,7 @@ std::vector<Triangle> substituted(const Tom& tom, Resolution n) {
   std::vector<Triangle> triangles = tom.triangles;
   for (std::uint32_t v = tom.full(); v-- > n;)
     for (Triangle& t : triangles) std::replace(t.begin(), t.end(), v, tom.substitute[v]);
-  std::erase_if(triangles, degenerate);
+  std::erase_if(triangles, [](const Triangle& t) { return is_degenerate(t); });
   return triangles;
 }
 

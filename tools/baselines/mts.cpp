@@ -15,7 +15,7 @@ class MtsBuilder {
              std::uint32_t longest, Mts& mts)
       : substitute_(substitute), strips_of_(substitute.size()), mts_(mts) {
     std::vector<Triangle> proper(triangles.begin(), triangles.end());
-    std::erase_if(proper, [](const Triangle& t) { return is_degenerate(t.data()); });
+    std::erase_if(proper, [](const Triangle& t) { return is_degenerate(t); });
     const auto n = static_cast<std::uint32_t>(substitute.size());
     const StripSet set = stripify(proper, n);
     for (std::uint32_t s = 0; s < set.strip_count(); ++s) {

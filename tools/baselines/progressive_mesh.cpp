@@ -43,7 +43,7 @@ std::vector<Triangle> by_birth(std::span<const Triangle> triangles, std::span<co
                                std::uint32_t base) {
   std::vector<Birth> births;
   for (const Triangle& t : triangles)
-    if (!is_degenerate(t.data())) births.push_back(birth_of(t, substitute, base));
+    if (!is_degenerate(t)) births.push_back(birth_of(t, substitute, base));
   std::stable_sort(births.begin(), births.end(),
                    [](const Birth& a, const Birth& b) { return a.resolution < b.resolution; });
   std::vector<Triangle> sorted;
