@@ -17,7 +17,8 @@ struct StripOptions {
   bool dynamic_length = true;
 };
 
-/// Vertices are numbered so that those of resolution r are 0 to r - 1.
+/// Vertices are numbered so that those of resolution r are 0 to r - 1, as those of a Tom are: of one,
+/// build_strips(tom.triangles, tom.substitute, tom.base_vertices).
 /// @param triangles   the full mesh; a triangle with a vertex twice is left out.
 /// @param substitute  of each vertex from base_resolution on, a vertex before it; of the others it is not
 /// read.

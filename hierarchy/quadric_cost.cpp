@@ -11,9 +11,7 @@ constexpr float border_weight = 2.0f;
 }  // namespace
 
 QuadricCost::QuadricCost(const SubstitutionKernel& kernel)
-    : position_(kernel.positions()),
-      is_mean_(kernel.is_field_of_heights()),
-      movers_(kernel.point_count()) {
+    : position_(kernel.positions()), is_mean_(kernel.is_field_of_heights()), movers_(kernel.point_count()) {
   for (TriangleId triangle = 0; triangle < kernel.triangle_count(); ++triangle) {
     const auto& t = kernel.corners(triangle);
     const Vec3f a = position_[t[0]], b = position_[t[1]], c = position_[t[2]];

@@ -32,7 +32,9 @@ void TomCursor::prepare(Resolution n) {
   if (n == at_) return;
   if (n < lowest_ || n > rung_) move_to_rung_above(n);
   ancestors_.fill(tom_.substitute, n, rung_);
-  const auto lives = [ancestor = ancestors_.lookup()](const Triangle& t) { return !is_degenerate(ancestor(t)); };
+  const auto lives = [ancestor = ancestors_.lookup()](const Triangle& t) {
+    return !is_degenerate(ancestor(t));
+  };
   const auto end = std::partition_point(corners_.begin(), corners_.end(), lives);
   count_ = static_cast<std::uint32_t>(end - corners_.begin());
   at_ = n;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "hierarchy/build_strips.h"
+#include "hierarchy/build_tom.h"
 #include "hierarchy/strip_reduction.h"
 #include "tests/hierarchy/surfaces.h"
 #include "tests/hierarchy/totally_ordered.h"
@@ -62,6 +63,14 @@ TEST(StripReduction, repetitions_go_and_triangles_stay) {
 TEST(StripMesh, triangles_are_those_of_the_substituted_mesh) {
   for (const SurfaceMesh& surface : {bumpy_sphere(6), bumpy_torus(14, 9)})
     for (const StripOptions& options : all_options()) expect_brute_force(collapse_order(surface, 3), options);
+}
+
+TEST(StripMesh, strips_of_a_tom_have_its_triangles) {
+  for (const SurfaceMesh& surface : {bumpy_sphere(6), seamed_vase(10, 8), pebbles()}) {
+    const auto tom = build_tom(surface);
+    ASSERT_TRUE(tom) << tom.error().text();
+    expect_brute_force({tom->triangles, tom->substitute, tom->base_vertices}, {});
+  }
 }
 
 TEST(StripMesh, any_substitutes_will_do) {

@@ -21,6 +21,7 @@
 #include "apps/measure/surface_distance.h"
 #include "apps/plot/svg_plot.h"
 #include "hierarchy/build_strips.h"
+#include "hierarchy/build_tom.h"
 #include "hierarchy/strip_sides.h"
 #include "ooc/mesh_reader.h"
 #include "tools/baselines/mts.h"
@@ -361,6 +362,11 @@ Result<void> design(const char* path) {
     for (const bool dynamic : {false, true}) print_design("along strips", along, {ratio, dynamic});
   for (const double ratio : {one_band, 4.0, 2.0, std::sqrt(2.0), std::pow(2.0, 0.25)})
     for (const bool dynamic : {false, true}) print_design("strips", order, {ratio, dynamic});
+  const auto tom = build_tom(*mesh);
+  if (!tom) return fail(tom.error());
+  TotalOrder of_tom{{}, tom->triangles, tom->substitute, tom->base_vertices};
+  for (const Vec3f& p : tom->positions) of_tom.positions.push_back(vec_cast<double>(p) + tom->origin);
+  print_design("strips of the TOM", of_tom, {});
   const auto n = static_cast<std::uint32_t>(order.positions.size());
   Drawing drawing(order);
   for (const std::uint32_t longest : {8u, 16u, 32u, 64u, 1u << 30}) {
