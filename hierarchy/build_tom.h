@@ -42,11 +42,11 @@ struct TomReport {
 };
 
 /// Builds the TOM of `mesh`. Pure: the same input and options give the same TOM; many parts can be built in
-/// parallel.
+/// parallel. Deviations are measured by another thread of the calling TBB arena, if one is idle.
 /// @pre   is_consistent(mesh)
 /// @post  is_consistent(result); triangles are those of the input, but for what `report` counts.
 /// @error invalid_input for a step that is negative, or so small that positions exceed 2^23 of it.
-/// @cost  1 to 2 µs per triangle, O(n log n); 300 bytes per triangle for a while.
+/// @cost  1 to 3 µs per triangle, O(n log n); 300 bytes per triangle for a while.
 Result<Tom> build_tom(const SurfaceMesh& mesh, const TomOptions& options = {}, TomReport* report = nullptr);
 
 }  // namespace cuesta

@@ -16,7 +16,7 @@ namespace cuesta {
 
 inline constexpr std::uint32_t none = 0xFFFFFFFFu;
 
-/// Flat arrays, about 40 bytes per triangle and 90 per point, plus stars in one arena that only grows. Of
+/// Flat arrays, about 30 bytes per triangle and 40 per point, plus stars in one arena that only grows. Of
 /// samples it knows nothing: SurfaceSamples measures what replacement() says, now or later.
 class SubstitutionKernel {
  public:
