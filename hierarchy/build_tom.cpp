@@ -124,7 +124,8 @@ class Simplification {
     greedy_.queue_all();
     for (;;) {
       while (advance()) absorb_now_and_then();
-      if (!(lets_topology_go_ && absorb(stuck_component, true)) && !retry() &&
+      recorder_.settle();
+      if (!(lets_topology_go_ && absorb(stuck_component, never)) && !retry() &&
           !(lets_topology_go_ && loosen()))
         break;
     }
@@ -132,6 +133,8 @@ class Simplification {
   }
 
  private:
+  static constexpr float never = std::numeric_limits<float>::infinity();
+
   bool advance() {
     if (lets_topology_go_ && !loose_ &&
         kernel_.live_triangles() < std::uint64_t{triangles_per_loop} * kernel_.loops())
@@ -155,14 +158,13 @@ class Simplification {
   /// Each time a tenth of the triangles has gone.
   void absorb_now_and_then() {
     if (!lets_topology_go_ || !absorber_.has_work() || kernel_.live_triangles() > absorb_below_) return;
-    absorb(small_component, false);
+    absorb(small_component, recorder_.settle());
     absorb_below_ = kernel_.live_triangles() / 10 * 9;
   }
 
-  bool absorb(std::uint32_t most_points, bool at_any_error) {
+  /// After recorder_.settle().
+  bool absorb(std::uint32_t most_points, float reach) {
     if (!absorber_.has_work()) return false;
-    const float error = recorder_.settle();
-    const float reach = at_any_error ? std::numeric_limits<float>::infinity() : error;
     live_.clear();
     for (PointId p = 0; p < kernel_.point_count(); ++p)
       if (!kernel_.removed(p)) live_.push_back(p);
@@ -190,7 +192,7 @@ class Simplification {
 template <class Fairness>
 Removals simplify(SubstitutionKernel& kernel, const TomInput& input, const TomOptions& options,
                   Fairness fairness) {
-  SurfaceSamples samples({}, kernel.triangle_count(), kernel.origin(), kernel.positions(), {});
+  SurfaceSamples samples({}, kernel);
   const auto run = [&](auto oracle) {
     return tbb::this_task_arena::isolate([&] {
       return Simplification(kernel, samples, input.first_vertex, std::move(oracle), std::move(fairness),

@@ -1,6 +1,8 @@
 #include "hierarchy/deviation_stage.h"
 
 #include <algorithm>
+#include <span>
+#include <utility>
 
 namespace cuesta {
 

@@ -4,10 +4,8 @@
 /// triangles depends on what is measured.
 
 #include <tbb/task_group.h>
+#include <array>
 #include <cstdint>
-#include <optional>
-#include <span>
-#include <utility>
 #include <vector>
 
 #include "hierarchy/error_code.h"

@@ -46,8 +46,7 @@ class FanMerger {
  public:
   FanMerger(const CellMesh& cell, const SimplifyOptions& options)
       : kernel_(cell),
-        samples_(cell.samples, kernel_.triangle_count(), kernel_.origin(), kernel_.positions(),
-                 kernel_.vertical()),
+        samples_(cell.samples, kernel_),
         planes_(kernel_),
         absorber_(kernel_, samples_),
         options_(options),

@@ -305,8 +305,8 @@ bool SubstitutionKernel::keeps_orientation(PointId u, PointId v) const {
 /// Seen from above, no triangle of a field of heights turns over, is seen from its edge, or becomes a needle
 /// that only the grid makes: postings in a line are so to within a step.
 bool SubstitutionKernel::stays_upright(PointId u, PointId v) const {
-  const Vec3d pv = vec_cast<double>(position_[v]),
-              up = normalized(vec_cast<double>(vertical_->up(position_[v])));
+  const auto up_at = [this](PointId p) { return vec_cast<double>(vertical_->up(position_[p])); };
+  const Vec3d pv = vec_cast<double>(position_[v]), up_v = up_at(v), up = normalized(up_v);
   const auto run = [&](Vec3d e) { return dot(e, e) - dot(e, up) * dot(e, up); };  // squared, seen from above
   for (TriangleId t : star(u)) {
     if (has_corner(t, v)) continue;
@@ -315,8 +315,8 @@ bool SubstitutionKernel::stays_upright(PointId u, PointId v) const {
     const Vec3d normal = cross(pa, pb);
     const double longest = std::sqrt(std::max({run(pa), run(pb), run(pb - pa)}));
     const double least = std::max(double{least_uprightness} * length(normal), least_width * longest);
-    for (PointId p : {v, a, b})
-      if (!(dot(normal, vec_cast<double>(vertical_->up(position_[p]))) > least)) return false;
+    for (const Vec3d& here : {up_v, up_at(a), up_at(b)})
+      if (!(dot(normal, here) > least)) return false;
   }
   return true;
 }

@@ -7,13 +7,15 @@
 
 namespace cuesta {
 
-SurfaceSamples::SurfaceSamples(const TriangleSamples& samples, std::size_t triangles, Vec3i origin,
-                               std::span<const Vec3f> positions, const std::optional<LocalVertical>& vertical)
-    : positions_(positions), runs_(triangles), live_(samples.points.size()), batch_(vertical) {
-  arena_.reserve((samples.points.size() + positions.size()) * 2);
-  for (const Vec3i& p : samples.points) arena_.push_back(vec_cast<float>(p - origin));
+SurfaceSamples::SurfaceSamples(const TriangleSamples& samples, const SubstitutionKernel& kernel)
+    : positions_(kernel.positions()),
+      runs_(kernel.triangle_count()),
+      live_(samples.points.size()),
+      batch_(kernel.vertical()) {
+  arena_.reserve((samples.points.size() + positions_.size()) * 2);
+  for (const Vec3i& p : samples.points) arena_.push_back(vec_cast<float>(p - kernel.origin()));
   if (samples.begin.empty()) return;
-  for (TriangleId t = 0; t < triangles; ++t) {
+  for (TriangleId t = 0; t < runs_.size(); ++t) {
     runs_[t] = {samples.begin[t], samples.begin[t + 1] - samples.begin[t]};
     chosen_ |= runs_[t].count >= max_triangle_samples;
   }

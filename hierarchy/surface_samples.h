@@ -4,13 +4,12 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "hierarchy/cell_mesh.h"
 #include "hierarchy/deviation.h"
-#include "hierarchy/replacement.h"
+#include "hierarchy/substitution_kernel.h"
 
 namespace cuesta {
 
@@ -22,11 +21,9 @@ inline constexpr float chosen_samples_margin = 1.0f / 12;
 /// 12 bytes per sample, twice while they move; 8 per triangle.
 class SurfaceSamples {
  public:
-  /// @param samples    none: the points themselves are all there are, once they have left
-  /// @param origin     grid position of the local frame
-  /// @param positions  of points, in that frame; outlives the samples
-  SurfaceSamples(const TriangleSamples& samples, std::size_t triangles, Vec3i origin,
-                 std::span<const Vec3f> positions, const std::optional<LocalVertical>& vertical);
+  /// @param samples  none: the points themselves are all there are, once they have left
+  /// @param kernel   at the start; outlives this
+  SurfaceSamples(const TriangleSamples& samples, const SubstitutionKernel& kernel);
 
   /// The largest distance from the targets, grid units, rounded up, not below least_error.
   float measure(const Replacement& r);

@@ -111,12 +111,6 @@ struct SceneDrawList {
   std::span<const DrawnSurface> surfaces;
 };
 
-/// What a drawing call has filled.
-struct CallFill {
-  float fragments = 0;  ///< of its triangles, hidden ones included
-  float pixels = 0;     ///< that it has written
-};
-
 class LiveScene {
  public:
   /// @param directory  outlives the scene   @param clock  ms since some moment

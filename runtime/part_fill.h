@@ -9,6 +9,12 @@
 namespace cuesta {
 
 /// 12 bytes per part.
+/// What a drawing call has filled.
+struct CallFill {
+  float fragments = 0;  ///< of its triangles, hidden ones included
+  float pixels = 0;     ///< that it has written
+};
+
 class PartFill {
  public:
   explicit PartFill(std::size_t parts) : parts_(parts) {}

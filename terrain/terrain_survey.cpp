@@ -196,27 +196,40 @@ class TerrainSurvey {
   Result<Grid> grid_of(const Box3d& box, const TerrainSurface& surface) const {
     const Vec3d size = box.hi - box.lo;
     const double extent = std::max({size.x, size.y, size.z});
-    double step = options_.step_m > 0 ? options_.step_m : natural_step(surface);
-    if (options_.step_m > 0 && extent / step > most_steps)
+    const auto step =
+        options_.step_m > 0 ? given_step(extent, surface.figures_.spacing_m) : natural_step(extent, surface);
+    if (!step) return fail(step.error());
+    const double unit = *step * steps_of_origin;
+    const auto down = [unit](double x) { return std::floor(x / unit) * unit; };
+    return Grid{{down(box.lo.x), down(box.lo.y), down(box.lo.z)}, *step};
+  }
+
+  Result<double> given_step(double extent, double spacing) const {
+    const double step = options_.step_m;
+    if (extent / step > most_steps)
       return fail(ErrorCode::invalid_input, "", "",
                   fmt::format("a grid step of {} m is too small for {} km; give at least {:.3g} m", step,
                               extent / 1000, extent / most_steps));
-    if (options_.step_m > 0 && step * least_steps_per_spacing > surface.figures_.spacing_m)
+    if (step * least_steps_per_spacing > spacing)
       return fail(
           ErrorCode::invalid_input, "", "",
           fmt::format("a grid step of {} m is too coarse for postings {:.3g} m apart; give at most {:.3g} m",
-                      step, surface.figures_.spacing_m,
-                      surface.figures_.spacing_m / least_steps_per_spacing));
+                      step, spacing, spacing / least_steps_per_spacing));
+    return step;
+  }
+
+  /// What suits the heights and the postings, as coarse as the extent needs it.
+  Result<double> natural_step(double extent, const TerrainSurface& surface) const {
+    double step = finest_step(surface);
     while (extent / step > most_steps) step *= 2;
-    if (step * least_steps_per_spacing / 2 > surface.figures_.spacing_m)
+    const double spacing = surface.figures_.spacing_m;
+    if (step * least_steps_per_spacing / 2 > spacing)
       return fail(
           ErrorCode::invalid_input, "", "",
           fmt::format("postings {:.3g} m apart are too near to each other for an extent of {:.3g} m, heights "
                       "included; if they are in degrees, give --crs",
-                      surface.figures_.spacing_m, extent));
-    const double unit = step * steps_of_origin;
-    const auto down = [unit](double x) { return std::floor(x / unit) * unit; };
-    return Grid{{down(box.lo.x), down(box.lo.y), down(box.lo.z)}, step};
+                      spacing, extent));
+    return step;
   }
 
   /// Metres between neighbouring postings along a column, the least of all layers, in their middles.
@@ -249,7 +262,7 @@ class TerrainSurvey {
            });
   }
 
-  double natural_step(const TerrainSurface& surface) const {
+  double finest_step(const TerrainSurface& surface) const {
     const double quantum = mosaic_.vertical_quantum_m(), spacing = surface.figures().spacing_m;
     if (quantum > 0 && quantum <= spacing) {
       double step = is_on_steps(quantum, surface) ? quantum : quantum / 2;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "runtime/draw/gl_functions.h"
-#include "runtime/live_scene.h"
+#include "runtime/part_fill.h"
 
 namespace cuesta {
 

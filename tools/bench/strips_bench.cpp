@@ -180,7 +180,7 @@ std::uint32_t triangles_at(const TotalOrder& order, std::uint32_t r) {
   for (Triangle t : order.triangles) {
     for (std::uint32_t& v : t)
       while (v >= r) v = order.substitute[v];
-    count += t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+    count += !is_degenerate(t);
   }
   return count;
 }
@@ -312,7 +312,7 @@ double mean_error(const SurfaceMesh& mesh, const TotalOrder& order, std::uint32_
   for (Triangle t : order.triangles) {
     for (std::uint32_t& v : t)
       while (v >= r) v = order.substitute[v];
-    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) drawn.triangles.push_back(t);
+    if (!is_degenerate(t)) drawn.triangles.push_back(t);
   }
   const measure::SamplingOptions sampling{200'000, 1};
   const double there = measure::surface_distance(mesh, measure::make_tree(drawn), sampling).mean;

@@ -22,7 +22,7 @@ class Simplifier {
         quadric_(positions_.size()),
         moved_(positions_.size()),
         version_(positions_.size()) {
-    std::erase_if(triangles_, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+    std::erase_if(triangles_, [](const Triangle& t) { return is_degenerate(t); });
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
       const Vec3d n = normal(triangles_[t]);
       const double twice_area = std::sqrt(dot(n, n));
